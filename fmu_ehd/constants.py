@@ -4,12 +4,13 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable
+from ..master.fmi.compiled import compilable, compiled
+from ..master.fmi.symmetry import thrust_image
 from . import step_parts as parts
 from .balance import oil_layer, openings
 from .balance.film_step import Domain
 from .balance.flow_film import FilmLaws
-from .balance.grid import Array, Cells, Field, Flags, keep
+from .balance.grid import Array, Cells, Field, Flags, images, keep
 from .balance.oil_layer import Bore
 from .contradictions import (
     FROM_BORE_AND_RING,
@@ -18,6 +19,7 @@ from .contradictions import (
     PATIR_CHENG_1978,
     cavitation_of,
 )
+from .faults import refuse
 from .laws import cavitation, coating, friction, roughness
 from .laws.asperity import CONTACT_LAWS, contact_constants, contact_table
 from .oil import thinning_law
@@ -27,6 +29,13 @@ from .summary import Halves, halves
 # bearing, to the sliding velocity
 SHARE_OF_A_SKIRT = -0.5
 SHARE_OF_A_BEARING = 0.5
+
+LARGEST_ODD_PART = 1e-6
+"""Odd part of an input over its largest value, up to which half a film is computed [-].
+
+Reduced bodies that are their own mirror image are so to 1e-9 of their deflection. A body that tilts
+by 1e-6 rad moves the film by 1e-3.
+"""
 
 BY_FILM_FRACTION = 1 + friction.CAVITY_SHEAR.index("film_fraction")  # as in `parameters.Chosen`
 
@@ -53,6 +62,7 @@ class Tables(NamedTuple):
 
     bearing : whether it is a bearing's; open_cells : cells without a film; contact : of
     `asperity.contact_table` by law; halves : summary.Halves; faces : of `oil_layer.Bore`;
+    rows : row of the grid for each row of the film, which are more if the grid is mirrored;
     beside : of `openings.nearest`; factors : of `roughness.factor_table`.
     """
 
@@ -61,46 +71,160 @@ class Tables(NamedTuple):
     contact: Annotated[Array, "2, 513, 6"]
     halves: Halves
     faces: Annotated[Array, "n_e, n_c", "n_e % 2 == 0 and are_edges(x, n_a)"]
+    rows: Annotated[Array, "n_f", "within(x, 0.0, n_c)"]
     beside: Field
     factors: Annotated[Array, f"{roughness.TABLE[0]}, {roughness.TABLE[1]}"]
 
 
-def tables_of(open_cells: Flags, bearing: bool) -> Tables:
-    """Return the tables of a film with room for those that `fill` sets."""
+def tables_of(open_cells: Flags, bearing: bool, mirrored: bool = False) -> Tables:
+    """Return the tables of a film with room for those that `fill` sets.
+
+    Parameters
+    ----------
+    open_cells : ndarray of bool, shape (n_f, n_a)
+        Cells of the whole film that have no film.
+    bearing : bool
+    mirrored : bool
+        Whether the grid is one half of the film, `parameters.has_image`. Its first row is on the
+        thrust line and its last one on the anti-thrust line.
+    """
+    whole = len(open_cells)
+    rows = np.arange(whole)
+    first, last = 0, whole
+    if mirrored:
+        first, last = whole // 4, whole // 4 + whole // 2 + 1
+        rows = np.where((first <= rows) & (rows < last), rows, thrust_image(whole)) - first
+    cells = np.ascontiguousarray(open_cells[first:last])
     return Tables(
         bearing,
-        open_cells,
+        cells,
         np.array([contact_table(law) for law in CONTACT_LAWS]),
-        halves(len(open_cells)),
-        oil_layer.skirt_edges(open_cells),
-        np.zeros(open_cells.shape),
+        Halves(*(each[first:last] for each in halves(whole))),
+        oil_layer.skirt_edges(cells),
+        rows.astype(float),
+        np.zeros(cells.shape),
         np.zeros(roughness.TABLE),
     )
 
 
 @compilable
+def is_mirrored(tables: Tables) -> bool:
+    """Return whether the grid is one half of the film."""
+    return len(tables.rows) > len(tables.open_cells)
+
+
+@compilable
+def first_row(tables: Tables) -> int:
+    """Return the row of the film that is the first one of the grid."""
+    return len(tables.rows) // 4 if is_mirrored(tables) else 0
+
+
+@compilable
+def images_of(tables: Tables) -> Array:
+    """Return the number of cells of the film that each cell represents, 0 in cut-outs."""
+    n_c, n_a = tables.open_cells.shape
+    number = np.zeros((n_c, n_a))
+    for i in range(n_c):
+        for j in range(n_a):
+            if not tables.open_cells[i, j]:
+                number[i, j] = images(is_mirrored(tables), i, n_c)  # Eq. (E19)
+    return number
+
+
+@compilable
 def cells_of(x: Any, tables: Tables) -> Cells:
     """Return the size of the cells."""
-    n_c, n_a = tables.open_cells.shape
     width = x.sector_angle * x.bore_radius
-    return Cells(width / n_c, x.skirt_length / n_a, x.sector_angle == FULL_TURN)
+    mirrored = is_mirrored(tables)
+    ring = x.sector_angle == FULL_TURN and not mirrored
+    n_a = tables.open_cells.shape[1]
+    return Cells(width / len(tables.rows), x.skirt_length / n_a, ring, mirrored)
 
 
 @compilable
 def fill(x: Any, chosen: Any, tables: Tables) -> None:
     """Set the tables that depend on parameters."""
     cells = cells_of(x, tables)
-    keep(tables.beside, openings.nearest(tables.open_cells, cells.dx, cells.dy))
+    keep(tables.beside, openings.nearest(tables.open_cells, cells))
     if chosen.flow_factors == PATIR_CHENG_1978:
         skirt, bore = x.peklenik_number_skirt, x.peklenik_number_bore
         share = x.roughness_share_skirt
         keep(tables.factors, roughness.factor_table(share, skirt, bore, tables.bearing))
 
 
+@compiled
+def _even_part(tables: Tables, fields: Array):
+    """Even part of fields of a film, (m, n_f, n_a), Eq. (I14), on its grid."""
+    n_c, n_a = tables.open_cells.shape
+    m, n_f, _ = fields.shape
+    even = np.zeros((m, n_c, n_a))
+    for q in range(m):
+        for k in range(n_f):
+            i = int(tables.rows[k])
+            for j in range(n_a):
+                even[q, i, j] += fields[q, k, j] / images(True, i, n_c)  # Eq. (I14)
+    return even
+
+
 @compilable
-def filled(tables: Tables, has_openings: bool, fields: Array) -> Array:
-    """Return fields, shape (m, n_c, n_a), whose cut-outs show the nearest cell with a film."""
+def on_grid(tables: Tables, has_openings: bool, fields: Array) -> Array:
+    """Return fields of a film, shape (m, n_f, n_a), on its grid, shape (m, n_c, n_a).
+
+    Those on a mirrored grid are the even part. Cut-outs show the nearest cell with a film.
+    """
+    if is_mirrored(tables):
+        fields = _even_part(tables, fields)
     return openings.filled(tables.beside, fields) if has_openings else fields
+
+
+@compiled
+def check_even(tables: Tables, field: Array, even: Array, fault: float, faults: Array):
+    """Note a fault at the first cell where an input is not that of its mirror image.
+
+    Parameters
+    ----------
+    field, even : ndarray, shape (n_f, n_a), (n_c, n_a)
+        Input, and the same `on_grid`.
+    fault : float
+        Number of its sentence.
+    """
+    n_f, n_a = field.shape
+    largest = 0.0
+    for i in range(even.shape[0]):
+        for j in range(n_a):
+            largest = max(largest, abs(even[i, j]))
+    for k in range(n_f):
+        i = int(tables.rows[k])
+        for j in range(n_a):
+            odd = field[k, j] - even[i, j]
+            if abs(odd) > LARGEST_ODD_PART * largest and not tables.open_cells[i, j]:
+                row = k - n_f // 4  # as all noted rows, from the first one of the grid
+                refuse(faults, fault, row, j, field[k, j], even[i, j] - odd, 0.0)
+                return
+
+
+@compiled
+def _unfolded(tables: Tables, fields: Array, is_shared: bool):
+    """Fields on a mirrored grid, (m, n_c, n_a), on the whole film."""
+    m, n_c, n_a = fields.shape
+    n_f = len(tables.rows)
+    whole = np.empty((m, n_f, n_a))
+    for q in range(m):
+        for k in range(n_f):
+            i = int(tables.rows[k])
+            share = images(is_shared, i, n_c)
+            for j in range(n_a):
+                whole[q, k, j] = fields[q, i, j] / share
+    return whole
+
+
+@compilable
+def on_film(tables: Tables, fields: Array, is_shared: bool) -> Array:
+    """Return fields on a grid, shape (m, n_c, n_a), on the whole film, shape (m, n_f, n_a).
+
+    is_shared : whether a value on the grid is the sum over all images, as of forces.
+    """
+    return _unfolded(tables, fields, is_shared) if is_mirrored(tables) else fields
 
 
 @compilable
@@ -127,13 +251,8 @@ def fixed_of(x: Any, chosen: Any, tables: Tables, on_bore: bool) -> FilmConstant
     factors = np.zeros((0, 0))
     if chosen.flow_factors == PATIR_CHENG_1978:
         factors = tables.factors
-    area = np.zeros((n_c, n_a))
-    for i in range(n_c):
-        for j in range(n_a):
-            if not domain.open_cells[i, j]:
-                area[i, j] = cells.dx * cells.dy
     surfaces = parts.Surfaces(
-        area,
+        images_of(tables) * (cells.dx * cells.dy),
         contact_constants(x, tables.contact[int(chosen.contact_law) - 1]),
         tables.halves,
         coating.compliance(x.coating_thickness, x.coating_modulus, x.coating_poisson),

@@ -32,10 +32,12 @@ from .oil import VISCOSITY_LAWS
 
 OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
 OPENING_SUPPLIES = ("lower_edge", "own")
+FILM_SYMMETRIES = ("none", "thrust_plane")
 FULL_TURN = 2.0 * np.pi
 FROM_EDGES = 1 + OIL_SUPPLIES.index("edges")
 FROM_BORE_AND_RING = 1 + OIL_SUPPLIES.index("bore_and_ring")
 OWN_SUPPLY = 1 + OPENING_SUPPLIES.index("own")
+THRUST_PLANE = 1 + FILM_SYMMETRIES.index("thrust_plane")
 PATIR_CHENG_1978 = 1 + FLOW_FACTORS.index("patir_cheng_1978")
 """Numbers of choices as in `parameters.Chosen`."""
 MODELS = tuple(CAVITATION.values())
@@ -138,11 +140,16 @@ def check_supply(x: Any, chosen: Any, faults: Array) -> None:
 
 
 @compilable
-def check_parameters(x: Any, chosen: Any, bearing: bool, cut_outs: bool, faults: Array) -> None:
+def check_parameters(
+    x: Any, chosen: Any, bearing: bool, cut_outs: bool, has_image: bool, faults: Array
+) -> None:
     """Note contradictions between parameters, except those of the oil x.
 
-    `bearing` and `cut_outs` state whether the film is that of a bearing and has cut-outs.
+    `bearing`, `cut_outs` and `has_image` state whether the film is that of a bearing, has cut-outs,
+    and has cells that are their own mirror image.
     """
+    if chosen.film_symmetry == THRUST_PLANE and not has_image:
+        refuse(faults, FAULT.cells_without_image, 0, 0, 0.0, 0.0, 0.0)
     sector = x.sector_angle
     part = sector < FULL_TURN
     rough = chosen.flow_factors == PATIR_CHENG_1978

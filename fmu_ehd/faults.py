@@ -4,7 +4,7 @@ Kernels note a fault by number, cell and up to three numbers. The sentence is ma
 """
 
 from ..master.fmi.compiled import compiled
-from ..master.fmi.noted import DAMAGED_STATE, numbers_of, sentences_of
+from ..master.fmi.noted import DAMAGED_STATE, OF_A_FAULT, numbers_of, sentences_of
 from ..master.fmi.noted import refuse as note
 from .balance.grid import Array
 from .laws.cavitation import NotConverged
@@ -72,6 +72,17 @@ SENTENCES = {
     "cavitation_pressure, where roelands_1966 ends, got {a} Pa at [{i},{j}]; use barus_1893 or a "
     "cavitation model other than full_film",
     "other_state": DAMAGED_STATE,
+    "cells_without_image": "film_symmetry: expected none for a bearing, for an odd number of cells "
+    "around, or for cut-outs that differ from their mirror image, got thrust_plane",
+    **{
+        f"odd_{name}": f"{name}[{{i}},{{j}}]: expected {{b}} {unit} as in the mirror image with "
+        f"film_symmetry = thrust_plane, got {{a}} {unit}; set film_symmetry = none"
+        for name, unit in (
+            ("film_thickness", "m"),
+            ("sliding_velocity", "m/s"),
+            ("oil_temperature", "K"),
+        )
+    },
 }
 """Sentences of the faults; {i} and {j} are the cell, {a} to {c} numbers."""
 FAULTS = tuple(SENTENCES.values())
@@ -84,7 +95,15 @@ def refuse(faults: Array, number: float, i: int, j: int, a: float, b: float, c: 
     note(faults, number, i + 1.0, j + 1.0, a, b, c)
 
 
-def raise_noted(faults: Array) -> None:
-    """Raise `NotConverged` where a fault is noted, with all their sentences."""
+@compiled
+def count_rows_from(faults: Array, first: int):
+    """Add the first row of a grid to the cells of all noted faults."""
+    for k in range(int(faults[0])):
+        faults[2 + OF_A_FAULT * k] += first
+
+
+def raise_noted(faults: Array, first: int = 0) -> None:
+    """Raise `NotConverged` if a fault is noted, with all sentences; first : row of the grid."""
     if faults[0]:
+        count_rows_from(faults, first)
         raise NotConverged("; ".join(sentences_of(faults, FAULTS)))

@@ -7,8 +7,8 @@ import numpy as np
 from ..master.fmi.noted import none_yet, remark_of
 from . import constants, step, step_tangent
 from .balance.grid import Array, Entrainment
-from .contradictions import is_fed
-from .faults import FAULTS, raise_noted
+from .contradictions import THRUST_PLANE, is_fed
+from .faults import FAULT, FAULTS, raise_noted
 from .parameters import Parameters, chosen_of, is_of, numbers_of
 from .solvers.sparse import linear_solver
 from .state import Fields, Inputs, LastStep, Memory, Scalars
@@ -31,13 +31,16 @@ class LubricationModel:
         x, chosen = numbers_of(p), chosen_of(p)
         open_cells = np.zeros(p.shape, dtype=bool) if p.open_cells is None else p.open_cells
         self._bearing = p.surface == "bearing"
-        self._tables = constants.tables_of(open_cells, self._bearing)
+        self._tables = constants.tables_of(
+            open_cells, self._bearing, chosen.film_symmetry == THRUST_PLANE
+        )
         constants.fill(x, chosen, self._tables)
         self.fixed = constants.fixed_of(x, chosen, self._tables, True)
-        self.solver = linear_solver(p.shape)
+        self._cells = self._tables.open_cells
+        self.solver = linear_solver(self._cells.shape)
         self.area = self.fixed.surfaces.area
         self.remark = ""  # warning of the last start or step, empty without one
-        self._given = surroundings(p, {})
+        self._given = surroundings(p, {}, constants.images_of(self._tables))
         # of the last step: what the tangent needs
         self._last: LastStep | None = None
         self._linear: Linearisation | None = None
@@ -72,11 +75,11 @@ class LubricationModel:
             As from `advance`.
         """
         motion = film_thickness, sliding_velocity, circumferential_velocity
-        inputs = self._inputs(motion, 0.0, conditions)
         faults = none_yet()
+        inputs = self._inputs(motion, 0.0, conditions, faults)
         filled = self.parameters.initial_film_fraction
         memory, fields, scalars = step.start(self.fixed, inputs, filled, faults)
-        raise_noted(faults)
+        self._raise(faults)
         self.remark = remark_of(faults, FAULTS)
         return memory, self._outputs(fields, scalars, 0)
 
@@ -118,15 +121,15 @@ class LubricationModel:
         self._last = None  # a refused step has no tangent
         self._linear = None
         motion = film_thickness, sliding_velocity, circumferential_velocity
-        inputs = self._inputs(motion, length, conditions)
-        fixed = self.fixed
         faults = none_yet()
+        inputs = self._inputs(motion, length, conditions, faults)
+        fixed = self.fixed
         begun = step.begin(fixed, state, inputs, faults)
-        raise_noted(faults)
+        self._raise(faults)
         solved = step.solve(fixed, state, inputs, begun, self.solver, faults)
-        raise_noted(faults)
+        self._raise(faults)
         ended = step.end(fixed, state, inputs, begun, solved, faults)
-        raise_noted(faults)
+        self._raise(faults)
         self.remark = remark_of(faults, FAULTS)
         self._last = ended.last
         outputs = self._outputs(ended.fields, ended.scalars, ended.iterations)
@@ -168,13 +171,8 @@ class LubricationModel:
             )
         if self._linear is None:
             self._linear = step_tangent.linearise(self.fixed, last)
-        shape = (-1, *self.parameters.shape)
         motions = (dfilm_thickness, dsliding_velocity, dcircumferential_velocity)
-        stacked = [
-            self._filled(np.ascontiguousarray(one).reshape(shape))
-            for one in motions
-            if one is not None
-        ]
+        stacked = [self._on_grid(one) for one in motions if one is not None]
         if len(stacked) < len(motions):
             stacked.append(np.zeros_like(stacked[0]) if self._bearing else NO_DIRECTION)
         directions = Directions(*stacked)
@@ -182,7 +180,10 @@ class LubricationModel:
         forces = np.empty((3 if self._bearing else 2, *right.shape))
         step_tangent.changes(self.fixed, last, self._linear, directions, self.solver, right, forces)
         given = np.shape(dfilm_thickness)
-        return tuple(forces[k].reshape(given) for k in range(len(forces)))
+        return tuple(
+            constants.on_film(self._tables, forces[k], True).reshape(given)
+            for k in range(len(forces))
+        )
 
     def is_fed(
         self,
@@ -196,44 +197,65 @@ class LubricationModel:
         The inputs are those of `advance`.
         """
         domain, share = self.fixed.domain, self.fixed.share
+        is_closed = domain.cells.ring or domain.cells.mirrored
         motion = film_thickness, sliding_velocity, circumferential_velocity
-        inputs = self._inputs(motion, 0.0, conditions)
+        inputs = self._inputs(motion, 0.0, conditions, none_yet())
         moved = Entrainment(share * inputs.turning, share * inputs.velocity)
         return not domain.model.conserving or is_fed(
-            inputs.around.edges, moved, domain.open_cells, domain.cells.ring
+            inputs.around.edges, moved, domain.open_cells, is_closed
         )
 
     # ---- what goes in and out
 
     def _inputs(
-        self, motion: tuple[Array, Array, Array | None], length: float, conditions
+        self,
+        motion: tuple[Array, Array, Array | None],
+        length: float,
+        conditions: dict[str, Any],
+        faults: Array,
     ) -> Inputs:
-        """Return the inputs of a step, without values in cells that have no film."""
+        """Return the inputs of a step on the grid; note where they are not symmetric."""
         film, sliding, turning = motion
-        around = self._surroundings(conditions) if conditions else self._given
-        if turning is None:
-            turning = np.zeros(self.parameters.shape)
+        around = self._surroundings(conditions, faults) if conditions else self._given
+        still = np.zeros(self._cells.shape)
         return Inputs(
-            self._filled(film), self._filled(sliding), self._filled(turning), around, length
+            self._input(film, FAULT.odd_film_thickness, faults),
+            self._input(sliding, FAULT.odd_sliding_velocity, faults),
+            still if turning is None else self._on_grid(turning)[0],
+            around,
+            length,
         )
 
-    def _surroundings(self, conditions: dict[str, Any]) -> Surroundings:
+    def _surroundings(self, conditions: dict[str, Any], faults: Array) -> Surroundings:
         """Return the surroundings, without temperatures in cells that have no film."""
         field = conditions.get("oil_temperature")
-        if field is not None:
-            conditions = conditions | dict(oil_temperature=self._filled(field))
-        return surroundings(self.parameters, conditions)
+        if np.ndim(field):
+            on_grid = self._input(field, FAULT.odd_oil_temperature, faults)
+            conditions = conditions | dict(oil_temperature=on_grid)
+        return surroundings(self.parameters, conditions, constants.images_of(self._tables))
 
-    def _filled(self, field: Array) -> Array:
-        """Return a field (..., n_c, n_a) with values in cells that have no film."""
-        if not self.fixed.domain.has_openings:
-            return field
-        given = np.ascontiguousarray(field, dtype=float)
-        stacked = given.reshape(-1, *self.parameters.shape)
-        return constants.filled(self._tables, True, stacked).reshape(given.shape)
+    def _input(self, field: Any, fault: float, faults: Array) -> Array:
+        """Return an input on the grid; note the fault of this number if it is not symmetric."""
+        even = self._on_grid(field)[0]
+        if constants.is_mirrored(self._tables):
+            constants.check_even(self._tables, np.asarray(field, float), even, fault, faults)
+        return even
+
+    def _on_grid(self, fields: Any) -> Array:
+        """Return fields of the film, (n_f, n_a) or (m, n_f, n_a), as (m, n_c, n_a) on the grid."""
+        stacked = np.ascontiguousarray(fields, dtype=float).reshape(-1, *self.parameters.shape)
+        return constants.on_grid(self._tables, self.fixed.domain.has_openings, stacked)
+
+    def _raise(self, faults: Array) -> None:
+        """Raise `NotConverged` with the noted faults."""
+        raise_noted(faults, constants.first_row(self._tables))
 
     def _outputs(self, fields: Fields, scalars: Scalars, iterations: int) -> dict[str, Any]:
-        """Return the outputs by name, without those of the other surface."""
-        outputs = fields._asdict() | scalars._asdict() | dict(solver_iterations=iterations)
+        """Return the outputs by name on the whole film, without those of the other surface."""
+        on_film = {
+            name: constants.on_film(self._tables, field[None], name.startswith("nodal_"))[0]
+            for name, field in fields._asdict().items()
+        }
+        outputs = on_film | scalars._asdict() | dict(solver_iterations=iterations)
         surface = self.parameters.surface
         return {name: value for name, value in outputs.items() if is_of(surface, name)}

@@ -28,10 +28,10 @@ from ..master.fmi.slave import PRODUCT, SEED
 from . import constants, contradictions, step, step_tangent
 from .balance.grid import Array, keep
 from .balance.oil_layer import NO_EDGE
-from .contradictions import FROM_EDGES, FULL_TURN
-from .faults import FAULT, FAULTS, refuse
+from .contradictions import FROM_EDGES, FULL_TURN, THRUST_PLANE
+from .faults import FAULT, FAULTS, count_rows_from, refuse
 from .options import BuildOptions
-from .parameters import CHOICES, CHOSEN, NUMBERS, TUNABLE, Chosen, Numbers
+from .parameters import CHOICES, CHOSEN, NUMBERS, TUNABLE, Chosen, Numbers, has_image
 from .solvers.blocks import Factors, no_factors
 from .state import Fields, Inputs, LastStep, Memory, Scalars
 from .step_tangent import FORCE, Directions, Linearisation
@@ -39,6 +39,7 @@ from .surroundings import surroundings_of, temperature_between_edges
 
 SECTOR_ANGLE = NUMBERS.index("sector_angle")
 INITIAL_FILM_FRACTION = NUMBERS.index("initial_film_fraction")
+FILM_SYMMETRY = CHOSEN.index("film_symmetry")
 COUNTS = np.array([len(CHOICES[name]) for name in CHOSEN], float)
 """Numbers of alternatives of each choice, which a file may exceed."""
 WIDEST = 192  # cells around: beyond, sparse solvers of scipy are faster
@@ -74,7 +75,7 @@ class VariablePositions(NamedTuple):
     """
 
     numbers: Annotated[Array, f"{len(NUMBERS)}", "within(x, -1.0, reals)"]
-    chosen: Annotated[Array, f"{len(CHOSEN)}", "within(x, 0.0, integers)"]
+    chosen: Annotated[Array, f"{len(CHOSEN)}", "within(x, -1.0, integers)"]
     inputs: InputPositions
     fields: Annotated[Array, f"{len(Fields._fields)}", f"within(x, -1.0, reals - {CELLS} + 1)"]
     scalars: Annotated[Array, f"{len(Scalars._fields)}", "within(x, -1.0, reals)"]
@@ -86,13 +87,18 @@ class VariablePositions(NamedTuple):
 class FilmSetup(NamedTuple):
     """Constant part of a memory, and parameters of the last step.
 
-    follows : 1 for each of `NUMBERS` that may change; numbers, chosen : `NUMBERS` and `CHOSEN`;
+    follows : 1 for each of `NUMBERS` that may change; tables, half : of the whole film, and of one
+    half if there is one; numbers, chosen : `NUMBERS` and `CHOSEN`;
     has_last, has_linear : whether there is one of the last step.
     """
 
     places: VariablePositions
     follows: Annotated[Array, f"{len(NUMBERS)}"]
-    tables: constants.Tables
+    tables: Annotated[constants.Tables, "x.n_f == x.n_c"]
+    half: Annotated[
+        constants.Tables,
+        "x.n_f == tables.n_c and x.n_c <= x.n_f and x.n_a == tables.n_a and x.n_e <= tables.n_e",
+    ]
     numbers: Annotated[Array, f"{len(NUMBERS)}"]
     chosen: Annotated[Array, f"{len(CHOSEN)}"]
     has_last: Number
@@ -115,6 +121,8 @@ class FilmMemory(NamedTuple):
     faults: Vector
 
 
+IS_SHARED = tuple(name.startswith("nodal_") for name in Fields._fields)
+"""Whether the images of a cell share a field, `constants.on_film`."""
 PARTS = float(len(FilmMemory._fields))
 parts_of = parts(FilmMemory)
 _, numbers_from = packed(Numbers)
@@ -160,10 +168,14 @@ def given(slave: Any) -> Array:
         *positions_of(slave, slave.derivative_inputs[:1], SEED),
         *positions_of(slave, slave.derivative_outputs[:1], PRODUCT),
     )
+    bearing = built.surface == "bearing"
     setup = FilmSetup(
         places,
         follows=np.array([float(name in TUNABLE) for name in NUMBERS]),
-        tables=constants.tables_of(open_cells, built.surface == "bearing"),
+        tables=constants.tables_of(open_cells, bearing),
+        half=constants.tables_of(
+            open_cells, bearing, mirrored=has_image(built.grid, cut, built.surface)
+        ),
         numbers=np.zeros(len(NUMBERS)),
         chosen=np.zeros(len(CHOSEN)),
         has_last=np.zeros(1),
@@ -217,10 +229,16 @@ def uncovered_values(values: Mapping[str, Any]) -> Iterable[str]:
 
 
 @compiled
+def tables_in(setup: FilmSetup):
+    """Return the tables of the grid on which the film is computed."""
+    return setup.half if setup.chosen[FILM_SYMMETRY] == THRUST_PLANE else setup.tables
+
+
+@compiled
 def constants_of(setup: FilmSetup, on_bore: bool):
     """Return `constants.FilmConstants`; a tangent needs no bore."""
     x, chosen = numbers_from(setup.numbers), chosen_from(setup.chosen)
-    return constants.fixed_of(x, chosen, setup.tables, on_bore)
+    return constants.fixed_of(x, chosen, tables_in(setup), on_bore)
 
 
 @compiled
@@ -231,30 +249,36 @@ def _field(real, place, shape):
 
 
 @compiled
-def _input(real, tables, place, has_openings):
-    """Return an input field, without values in cells that have no film."""
-    n_c, n_a = tables.open_cells.shape
-    field = _field(real, place, (n_c, n_a)).reshape((1, n_c, n_a))
-    return constants.filled(tables, has_openings, field)[0]
+def _input(real, tables, place, has_openings, fault, faults):
+    """Return an input field on the grid; note the fault of this number if it is not symmetric."""
+    n_f, n_a = len(tables.rows), tables.open_cells.shape[1]
+    field = _field(real, place, (n_f, n_a))
+    even = constants.on_grid(tables, has_openings, field.reshape((1, n_f, n_a)))[0]
+    if constants.is_mirrored(tables):
+        constants.check_even(tables, field, even, fault, faults)
+    return even
 
 
 @compiled
-def inputs_of(real: Array, setup: FilmSetup, has_openings: bool, length: float):
-    """`state.Inputs` for a step of a length [s]."""
-    places, tables = setup.places.inputs, setup.tables
+def inputs_of(real: Array, setup: FilmSetup, has_openings: bool, length: float, faults: Array):
+    """`state.Inputs` for a step of a length [s]; note where they are not symmetric."""
+    places, tables = setup.places.inputs, tables_in(setup)
     x = numbers_from(setup.numbers)
     turning = np.zeros(tables.open_cells.shape)
     if tables.bearing:
-        turning = _input(real, tables, places.circumferential_velocity, has_openings)
+        turning = _input(real, tables, places.circumferential_velocity, has_openings, -1.0, faults)
     if places.oil_temperature >= 0:
-        temperature = _input(real, tables, places.oil_temperature, has_openings)
+        odd = FAULT.odd_oil_temperature
+        temperature = _input(real, tables, places.oil_temperature, has_openings, odd, faults)
     else:
         temperature = temperature_between_edges(x, tables.open_cells.shape)
+    thickness, sliding = FAULT.odd_film_thickness, FAULT.odd_sliding_velocity
+    images = constants.images_of(tables)
     return Inputs(
-        _input(real, tables, places.film_thickness, has_openings),
-        _input(real, tables, places.sliding_velocity, has_openings),
+        _input(real, tables, places.film_thickness, has_openings, thickness, faults),
+        _input(real, tables, places.sliding_velocity, has_openings, sliding, faults),
         turning,
-        surroundings_of(x, chosen_from(setup.chosen), temperature, tables.open_cells),
+        surroundings_of(x, chosen_from(setup.chosen), temperature, images),
         length,
     )
 
@@ -268,7 +292,7 @@ def take_numbers(real: Array, integer: Array, setup: FilmSetup, length: float, f
     faults[0] = 0.0
     faults[1] = 0.0  # no remark
     setup.has_last[0] = 0.0  # a refused step has no tangent
-    places, tables = setup.places, setup.tables
+    places = setup.places
     is_start = length == 0.0
     for k in range(len(NUMBERS)):
         place = int(places.numbers[k])
@@ -277,13 +301,16 @@ def take_numbers(real: Array, integer: Array, setup: FilmSetup, length: float, f
     if places.numbers[SECTOR_ANGLE] < 0.0:
         setup.numbers[SECTOR_ANGLE] = FULL_TURN
     for k in range(len(CHOSEN) if is_start else 0):
-        chosen = float(integer[int(places.chosen[k])])
+        place = int(places.chosen[k])
+        chosen = float(integer[place]) if place >= 0 else 1.0
         setup.chosen[k] = min(max(chosen, 1.0), COUNTS[k])
     x, chosen = numbers_from(setup.numbers), chosen_from(setup.chosen)
     if is_start:
+        tables = tables_in(setup)
         constants.fill(x, chosen, tables)
         cut_outs = bool(tables.open_cells.any())
-        contradictions.check_parameters(x, chosen, tables.bearing, cut_outs, faults)
+        mirrors = constants.is_mirrored(setup.half)
+        contradictions.check_parameters(x, chosen, tables.bearing, cut_outs, mirrors, faults)
         room = STROKES * x.skirt_length
         if chosen.oil_supply != FROM_EDGES and x.stroke > room:
             refuse(faults, FAULT.stroke_too_long, 0, 0, x.stroke, x.skirt_length, room)
@@ -291,12 +318,13 @@ def take_numbers(real: Array, integer: Array, setup: FilmSetup, length: float, f
 
 
 @compiled
-def publish(fields, scalars, iterations, real, integer, places):
+def publish(fields, scalars, iterations, real, integer, places, tables):
     """Write the outputs into the variables."""
-    shape = fields[0].shape
+    n_c, n_a = tables.open_cells.shape
     for k in range(len(fields)):
         if places.fields[k] >= 0.0:
-            keep(_field(real, int(places.fields[k]), shape), fields[k])
+            whole = constants.on_film(tables, fields[k].reshape((1, n_c, n_a)), IS_SHARED[k])[0]
+            keep(_field(real, int(places.fields[k]), whole.shape), whole)
     put_each(real, places.scalars, scalars)
     integer[places.solver_iterations] = int(iterations)
 
@@ -313,22 +341,37 @@ def size(real: Array, integer: Array, memory: Array, numbers: Array):
 @compiled
 def start(real: Array, integer: Array, memory: Array, numbers: Array):
     """State and outputs at the start; `numbers` unused."""
+    _start(real, integer, memory)
+    _show_rows(memory)
+
+
+@compiled
+def _show_rows(memory):
+    """Count the cells of the faults from the first row of the film."""
+    parts = parts_of(memory)
+    count_rows_from(parts.faults, constants.first_row(tables_in(setup_from(parts.given))))
+
+
+@compiled
+def _start(real, integer, memory):
+    """Compute state and outputs at the start, unless a fault is noted."""
     parts = parts_of(memory)
     faults = parts.faults
     setup = setup_from(parts.given)
-    put_factors(parts.solver, no_factors(setup.tables.open_cells.shape))
     take_numbers(real, integer, setup, 0.0, faults)
     if faults[0] > 0.0:
         return
     fixed = constants_of(setup, True)
-    inputs = inputs_of(real, setup, fixed.domain.has_openings, 0.0)
+    tables = tables_in(setup)
+    put_factors(parts.solver, no_factors(tables.open_cells.shape))
+    inputs = inputs_of(real, setup, fixed.domain.has_openings, 0.0, faults)
     initial = setup.numbers[INITIAL_FILM_FRACTION]
     begun, fields, scalars = step.start(fixed, inputs, initial, faults)
     if faults[0] > 0.0:
         return
     put_memory(parts.state, begun)
     keep(parts.begun, parts.state)
-    publish(fields, scalars, 0.0, real, integer, setup.places)
+    publish(fields, scalars, 0.0, real, integer, setup.places, tables)
 
 
 @compiled
@@ -337,6 +380,13 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
 
     If the step is rejected, the fault is noted and the state stays.
     """
+    _advance(real, integer, memory, numbers)
+    _show_rows(memory)
+
+
+@compiled
+def _advance(real, integer, memory, numbers):
+    """Take a step, unless a fault is noted."""
     parts = parts_of(memory)
     faults = parts.faults
     setup = setup_from(parts.given)
@@ -344,7 +394,9 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
     if faults[0] > 0.0:
         return
     fixed = constants_of(setup, True)
-    inputs = inputs_of(real, setup, fixed.domain.has_openings, numbers[0])
+    inputs = inputs_of(real, setup, fixed.domain.has_openings, numbers[0], faults)
+    if faults[0] > 0.0:
+        return
     if not is_memory(parts.state, parts.begun):
         refuse(faults, FAULT.other_state, 0, 0, 0.0, 0.0, 0.0)
         return
@@ -363,7 +415,8 @@ def advance(real: Array, integer: Array, memory: Array, numbers: Array):
     setup.has_last[0] = 1.0
     setup.has_linear[0] = 0.0
     iterations = float(ended.iterations)
-    publish(ended.fields, ended.scalars, iterations, real, integer, setup.places)
+    tables = tables_in(setup)
+    publish(ended.fields, ended.scalars, iterations, real, integer, setup.places, tables)
 
 
 @compiled
@@ -376,7 +429,7 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
     if setup.has_last[0] == 0.0:
         refuse(faults, FAULT.no_tangent, 0, 0, 0.0, 0.0, 0.0)
         return
-    tables = setup.tables
+    tables = tables_in(setup)
     fixed = constants_of(setup, False)
     last = last_of(parts.last)
     if setup.has_linear[0] == 0.0:
@@ -384,24 +437,28 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
         setup.has_linear[0] = 1.0
     linear = linear_of(parts.linear)
     n_c, n_a = tables.open_cells.shape
+    n_f = len(tables.rows)
     directions = 3 if tables.bearing else 2
-    n = directions * n_c * n_a
+    n = directions * n_f * n_a
     first = setup.places.seeds
-    seeds = real[first : first + n].reshape((directions, 1, n_c, n_a))
+    seeds = real[first : first + n].reshape((directions, 1, n_f, n_a))
     first = setup.places.products
-    products = real[first : first + n].reshape((directions, 1, n_c, n_a))
+    products = real[first : first + n].reshape((directions, 1, n_f, n_a))
     has_openings = fixed.domain.has_openings
     turning = np.zeros((0, 0, 0))
     if tables.bearing:
-        turning = constants.filled(tables, has_openings, seeds[FORCE.around])
+        turning = constants.on_grid(tables, has_openings, seeds[FORCE.around])
     seeded = Directions(
-        constants.filled(tables, has_openings, seeds[FORCE.normal]),
-        constants.filled(tables, has_openings, seeds[FORCE.along]),
+        constants.on_grid(tables, has_openings, seeds[FORCE.normal]),
+        constants.on_grid(tables, has_openings, seeds[FORCE.along]),
         turning,
     )
     right = np.empty((1, n_c, n_a))
+    forces = np.empty((directions, 1, n_c, n_a))
     factors = factors_from(parts.solver)
-    step_tangent.changes(fixed, last, linear, seeded, factors, right, products)
+    step_tangent.changes(fixed, last, linear, seeded, factors, right, forces)
+    for k in range(directions):
+        keep(products[k], constants.on_film(tables, forces[k], True))
 
 
 PART = NativePart(

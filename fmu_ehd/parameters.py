@@ -5,9 +5,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from ..master.fmi.noted import none_yet, sentences_of
+from ..master.fmi.symmetry import odd_part
 from .balance.grid import Flags
 from .contradictions import (
+    FILM_SYMMETRIES,
     FULL_TURN,
     OIL_SUPPLIES,
     OPENING_SUPPLIES,
@@ -53,6 +57,12 @@ class Parameters:
     cavity_shear: str = choice("Part of the cavitated film that transmits shear", CAVITY_SHEAR)
     flow_factors: str = choice("Flow factor model for rough surfaces", FLOW_FACTORS)
     contact_law: str = choice("Asperity contact law", CONTACT_LAWS)
+
+    film_symmetry: str = choice(
+        "Symmetry of the film that reduces the computation to one half: thrust_plane if film "
+        "thickness and velocity are their own mirror image about that plane",
+        FILM_SYMMETRIES,
+    )
 
     # skirt and film
     bore_radius: float = declared("m", 28.25e-3, 1e-3, 1.0, "Radius of the cylinder bore")
@@ -235,12 +245,24 @@ TUNABLE = (
 )
 """Parameters that may change between steps."""
 
+OF_SKIRTS = ("film_symmetry",)
 OF_BEARINGS = ("sector_angle", "nodal_circumferential_force", "friction_torque")
 
 
 def is_of(surface: str, name: str) -> bool:
     """Return whether a film on one of `SURFACES` has a parameter or output of a name."""
-    return not name.endswith("_thrust_side") if surface == "bearing" else name not in OF_BEARINGS
+    if surface == "bearing":
+        return name not in OF_SKIRTS and not name.endswith("_thrust_side")
+    return name not in OF_BEARINGS
+
+
+def has_image(shape: tuple[int, int], open_cells: Flags | None, surface: str) -> bool:
+    """Return whether the cells of a skirt are their own mirror image, with two ends on the plane.
+
+    Parameters are those of `Parameters`.
+    """
+    is_even = surface == "skirt" and shape[0] % 2 == 0
+    return is_even and (open_cells is None or not odd_part(1.0 * np.asarray(open_cells)).any())
 
 
 DECLARED = (
@@ -298,5 +320,7 @@ def faults(parameters: Parameters) -> list[str]:
     noted = none_yet()
     check_supply(x, chosen, noted)
     cut_outs = cells is not None and bool(cells.any())
-    check_parameters(x, chosen, parameters.surface == "bearing", cut_outs, noted)
+    surface = parameters.surface
+    mirrors = has_image(parameters.shape, cells, surface)
+    check_parameters(x, chosen, surface == "bearing", cut_outs, mirrors, noted)
     return sentences_of(noted, FAULTS)

@@ -273,8 +273,7 @@ def start(
     still = np.zeros(shape)
     under = true_pressure(inputs.around.pressure_law, pressure)
     rms = fixed.surfaces.contact.roughness_rms
-    ring = domain.cells.ring
-    steps = profile_steps(inputs.hard_film, domain.open_cells, rms, ring)
+    steps = profile_steps(inputs.hard_film, domain.open_cells, rms, domain.cells)
     acting = acting_of(fixed, inputs, ForceInputs(still, steps, flow, under, fraction), faults)
     no_flow = np.zeros((n_c, n_a + 1))
     before = parts.PreviousFilm(
@@ -297,7 +296,7 @@ def start(
     oil = sum_of_products(content, fixed.surfaces.area)
     heat = acting.powers.friction
     ledger = parts.BalanceScalars(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0.0, oil, heat)
-    if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, ring):
+    if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, domain.cells):
         remark(faults, FAULT.narrow_steps)
     totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume)
     parts.check_kept(before, totals, faults)
@@ -319,7 +318,7 @@ def begin(fixed: FilmConstants, memory: Memory, inputs: Inputs, faults: Array) -
     layer = memory.layer
     around = inputs.around
     domain = fixed.domain
-    begun = parts.begin(before, inputs.length)
+    begun = parts.begin(before, inputs.length, domain.cells)
     edges = around.edges
     if fixed.bore.supply.followed:
         bore = fixed.bore
@@ -393,7 +392,7 @@ def _layer_left(
         spilled = spilled + begun.begin.start.length * solved.solution.spilled  # Eq. (T28)
     volumes = LayerVolumes(oil_layer.inflow(bore, passed), spilled)
     gaps = oil_layer.gaps(bore, inputs.hard_film + solved.deflection)
-    mean = oil_layer.mean_of(inputs.velocity, fixed.domain.open_cells)
+    mean = oil_layer.mean_of(inputs.velocity, fixed.domain.open_cells, bore.cells)
     return oil_layer.left(bore, layer, memory.layer, volumes, gaps, mean, inputs.length)
 
 

@@ -12,7 +12,7 @@ from ..master.fmi.compiled import compiled
 from .balance import storage, transport
 from .balance.film_step import Domain, FilmSolution
 from .balance.films import Carriers
-from .balance.grid import Array, AxialFaces, Edges, Field, Flags, sum_of_products
+from .balance.grid import Array, AxialFaces, Cells, Edges, Field, Flags, images, sum_of_products
 from .balance.storage import ContentHistory, EulerStep
 from .balance.transport import CellStates, StepRatios
 from .faults import FAULT, refuse
@@ -66,10 +66,10 @@ class EulerStart(NamedTuple):
 
 
 @compiled
-def begin(before: PreviousFilm, step: float):
+def begin(before: PreviousFilm, step: float, cells: Cells):
     """Return the beginning of a step of length `step` [s]."""
     past = ContentHistory(before.content, before.growth, before.growth_before, before.step)
-    start = storage.euler_step(past, step)
+    start = storage.euler_step(past, step, cells)
     n_c, n_a = before.unknown.shape
     ratio = step / before.step if before.step > 0.0 else 0.0
     guess = np.empty((n_c, n_a), np.bool_)
@@ -84,11 +84,11 @@ def begin(before: PreviousFilm, step: float):
 def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, domain: Domain):
     """Lift of the film fraction at the axial faces, `transport.lift`, from the past alone."""
     n_c, n_a = before.unknown.shape
-    area = domain.cells.dx * domain.cells.dy
     full = np.empty((n_c, n_a), np.bool_)
     resting = np.empty((n_c, n_a), np.bool_)
     gained = np.empty((n_c, n_a))
     for i in range(n_c):
+        area = images(domain.cells.mirrored, i, n_c) * domain.cells.dx * domain.cells.dy
         for j in range(n_a):
             full[i, j] = before.unknown[i, j] > 0.0 and not domain.open_cells[i, j]
             resting[i, j] = full[i, j] or domain.open_cells[i, j]
@@ -104,7 +104,8 @@ def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, doma
 class Surfaces(NamedTuple):
     """Constants of the surfaces during a run.
 
-    area : ndarray, shape (n_c, n_a), lubricated area of each cell, 0 in cut-outs [m2];
+    area : ndarray, shape (n_c, n_a), lubricated area of each cell and its images, 0 in cut-outs
+    [m2];
     contact : asperity.ContactConstants; halves : summary.Halves;
     compliance, coating_thickness : of a coating [m/Pa], [m], 0 without;
     cavitation_pressure [Pa]; rounding_velocity : v0 of `friction` [m/s];
@@ -188,7 +189,7 @@ class SolvedFilm(NamedTuple):
 class Forces(NamedTuple):
     """Forces of a film on the skirt, and their power.
 
-    pressure, friction : ndarray, shape (n_c, n_a), nodal forces [N];
+    pressure, friction : ndarray, shape (n_c, n_a), nodal forces of a cell and its images [N];
     absolute : ndarray, shape (n_c, n_a), film pressure [Pa];
     contact : contact.Contact; touching : whether any cell is in contact;
     shear : friction.ShearInputs; summary : summary.Summary;
@@ -242,9 +243,13 @@ def forces(film: SolvedFilm, surfaces: Surfaces, domain: Domain, faults: Array):
     area = surfaces.area
     velocity = film.velocity
     n_c, n_a = velocity.shape
-    ring = domain.cells.ring
     touching = contact(
-        film.hard_film, film.deflection, film.steps, domain.open_cells, surfaces.contact, ring
+        film.hard_film,
+        film.deflection,
+        film.steps,
+        domain.open_cells,
+        surfaces.contact,
+        domain.cells,
     )
     shear = shear_inputs(film, touching, surfaces, domain)
     viscous = friction.viscous_force(shear)
@@ -280,6 +285,7 @@ def forces(film: SolvedFilm, surfaces: Surfaces, domain: Domain, faults: Array):
         ShearForces(viscous, boundary),
         touching.area_fraction,
         surfaces.halves,
+        domain.cells,
     )
     sums = whole.radial.thrust + whole.radial.anti_thrust
     if not np.isfinite(sums + whole.friction.thrust + whole.friction.anti_thrust):

@@ -5,7 +5,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compiled
-from .balance.grid import Array
+from .balance.grid import Array, Cells, images
 from .laws.friction import ShearForces
 
 
@@ -68,15 +68,18 @@ def summarise(
     forces: ShearForces,
     contact_area: Array,
     halves: Halves,
+    cells: Cells,
 ):
     """Extremes and sums of a film.
 
     Parameters
     ----------
     film_thickness, velocity, pressure, pressure_force, contact_area : ndarray, shape (n_c, n_a)
-        h [m], inf in cells without a film, which do not count; V [m/s], [Pa], [N], [-].
+        h [m], inf in cells without a film, which do not count; V [m/s], [Pa], [N], [-]. Forces are
+        those of a cell and its images.
     forces : friction.ShearForces
     halves : Halves
+    cells : grid.Cells
 
     Returns
     -------
@@ -93,16 +96,17 @@ def summarise(
     asperity = 0.0
     power = 0.0
     area = 0.0
-    cells = 0
+    count = 0.0
     for i in range(n_c):
         low = np.inf
         normal = 0.0
         wet = 0.0
         dry = 0.0
+        alike = images(cells.mirrored, i, n_c)
         for j in range(n_a):
             if film_thickness[i, j] == np.inf:
                 continue
-            cells += 1
+            count += alike
             low = min(low, film_thickness[i, j])
             highest = max(highest, pressure[i, j])
             normal += pressure_force[i, j]
@@ -110,7 +114,7 @@ def summarise(
             dry += boundary[i, j]
             # Eq. (F3)
             power -= (viscous[i, j] + boundary[i, j]) * velocity[i, j]
-            area += contact_area[i, j]
+            area += alike * contact_area[i, j]
         hydrodynamic += wet
         asperity += dry
         for side in range(2):
@@ -127,5 +131,5 @@ def summarise(
         hydrodynamic,
         asperity,
         power,
-        area / max(cells, 1),
+        area / max(count, 1.0),
     )

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..master.fmi.compiled import compilable, compiled
 from ..master.fmi.noted import none_yet, sentences_of
-from .balance.grid import Array, Edges, Flags
+from .balance.grid import Array, Edges
 from .contradictions import AmbientPressures, check_supply, edges_of, outside_of
 from .faults import FAULTS
 from .laws.cavitation import NotConverged
@@ -60,18 +60,18 @@ def viscosity_by_temperature(x, chosen, temperature):
 
 
 @compiled
-def pressure_law_of(x, chosen, viscosity, open_cells):
+def pressure_law_of(x, chosen, viscosity, images):
     """Return `piezoviscosity.PressureLaw` of a film."""
     kind = int(chosen.pressure_viscosity_law) - 1
     alpha = x.pressure_viscosity_coefficient
-    return pressure_law(kind, alpha, viscosity, open_cells, np.zeros(TABLE))
+    return pressure_law(kind, alpha, viscosity, images, np.zeros(TABLE))
 
 
 @compilable
-def surroundings_of(x: Any, chosen: Any, temperature: Array, open_cells: Flags) -> Surroundings:
-    """Return `Surroundings` from numbers, choices, temperatures and cells without a film."""
+def surroundings_of(x: Any, chosen: Any, temperature: Array, images: Array) -> Surroundings:
+    """Return `Surroundings` from numbers, choices, temperatures and images of `pressure_law`."""
     viscosity = viscosity_by_temperature(x, chosen, temperature)
-    law = pressure_law_of(x, chosen, viscosity, open_cells)
+    law = pressure_law_of(x, chosen, viscosity, images)
     outside = outside_of(x, chosen)
     n_c, n_a = temperature.shape
     edges = edges_of(x, chosen, outside, law, (n_c, n_a))
@@ -92,7 +92,9 @@ def changed_numbers(
     return x, sentences_of(noted, FAULTS)
 
 
-def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surroundings:
+def surroundings(
+    parameters: Parameters, conditions: Mapping[str, Any], images: Array
+) -> Surroundings:
     """Return edges, temperature and viscosity of a step.
 
     Parameters
@@ -102,6 +104,8 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
         Any of `parameters.TUNABLE` instead of the parameter of that name, and
         `oil_temperature` [K], float or ndarray of shape (n_c, n_a), instead of both edge
         temperatures.
+    images : ndarray, shape (n_c, n_a)
+        As for `piezoviscosity.pressure_law`.
 
     Returns
     -------
@@ -116,10 +120,7 @@ def surroundings(parameters: Parameters, conditions: Mapping[str, Any]) -> Surro
     if faults:
         raise NotConverged("; ".join(faults))
     if "oil_temperature" in conditions:
-        temperature = np.full(parameters.shape, conditions["oil_temperature"], float)
+        temperature = np.full(images.shape, conditions["oil_temperature"], float)
     else:
-        temperature = temperature_between_edges(x, parameters.shape)
-    open_cells = parameters.open_cells
-    if open_cells is None:
-        open_cells = np.zeros(parameters.shape, dtype=bool)
-    return surroundings_of(x, chosen_of(parameters), temperature, open_cells)
+        temperature = temperature_between_edges(x, images.shape)
+    return surroundings_of(x, chosen_of(parameters), temperature, images)

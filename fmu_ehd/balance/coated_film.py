@@ -121,7 +121,7 @@ def softness(
         pressed.steps,
         domain.open_cells,
         layer.contact,
-        domain.cells.ring,
+        domain.cells,
     )
     under = true_pressure(layer.pressure, reduced)
     weight, offset = coating.linear_deflection(

@@ -185,7 +185,7 @@ def assemble(equations: Equations, pattern: Flags):
     full = pattern
     if not model.conserving:
         full = np.full(pattern.shape, True)
-    stencil, right = reynolds.assemble(full, faces, lift, storage, edges, domain.cells.ring)
+    stencil, right = reynolds.assemble(full, faces, lift, storage, edges, domain.cells)
     if model.switching and not model.conserving:
         cavitation.without_pressure(pattern, stencil)
     if softness.weight.size > 0:
@@ -278,9 +278,8 @@ def balance(unknown: Array, full: Flags, equations: Equations):
     """Pressure, and what `reynolds.balance` says, for a signed unknown."""
     faces, lift, storage, edges, _, domain, _ = equations
     pressure, deficit = cavitation.interpret(domain.model, unknown, full)
-    ring = domain.cells.ring
     return pressure, reynolds.balance(
-        pressure, deficit, faces, lift, storage, edges, domain.open_cells, ring
+        pressure, deficit, faces, lift, storage, edges, domain.open_cells, domain.cells
     )
 
 
@@ -324,7 +323,7 @@ def solved(found: FullCells, pressure: Array, balance: reynolds.Balance, equatio
     domain = equations.domain
     spilled = np.zeros((0, 0))
     from_openings = 0.0
-    if not domain.cells.ring:
+    if not (domain.cells.ring or domain.cells.mirrored):
         from_openings = balance.edge_flow[FIRST] + balance.edge_flow[LAST]
     elif domain.has_openings:
         spilled = openings.spilled(domain.open_cells, filling, equations.faces)

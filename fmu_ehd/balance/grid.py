@@ -1,4 +1,15 @@
-"""The film grid: its cells, its edges, and how a five-point stencil is laid out on it."""
+"""The film grid: its cells, its edges, and how a five-point stencil is laid out on it.
+
+A grid is a ring, a sector, or mirrored: half of a ring that is its own mirror image, from the line
+of one mirror plane to the other. The first and the last row are their own images, every other row
+represents two. Areas, faces, volumes and flows of a mirrored grid are those of all images, so
+
+Eq. (E19):  width of row i = a_i dx,   height of the faces between two rows = 2 dy,
+            a_i = 1 for the first and the last row, else 2
+
+and what flows out of the first row over its only face is what flows over both of its faces. Nothing
+flows over the sides. Balances and sums over all cells are then those of the whole film.
+"""
 
 from typing import Annotated, NamedTuple
 
@@ -25,12 +36,14 @@ CENTRE, SOUTH, NORTH, WEST, EAST = range(5)
 class Cells(NamedTuple):
     """Properties of a grid for kernels.
 
-    dx, dy : cell size along i (circumferential) and j (axial) [m]; ring : True if i is periodic.
+    dx, dy : cell size along i (circumferential) and j (axial) [m]; ring : True if i is periodic;
+    mirrored : True for half of a ring.
     """
 
     dx: float
     dy: float
     ring: bool
+    mirrored: bool
 
 
 class Edges(NamedTuple):
@@ -58,6 +71,25 @@ class Entrainment(NamedTuple):
 
     circumferential: Array
     axial: Array
+
+
+@compiled(inline="always")
+def images(mirrored: bool, i: int, n_c: int):
+    """Return the number of rows of the film that row i of a grid represents, Eq. (E19) [-]."""
+    return 2.0 if mirrored and 0 < i < n_c - 1 else 1.0  # Eq. (E19)
+
+
+@compiled(inline="always")
+def row_at(cells: Cells, i: int, n_c: int):
+    """Return the row at position i, which may be up to n_c - 1 rows beyond the grid.
+
+    It is -1 beyond a sector.
+    """
+    if cells.ring:
+        return i % n_c
+    if cells.mirrored:
+        return n_c - 1 - abs(n_c - 1 - abs(i))
+    return i if 0 <= i < n_c else -1
 
 
 @compiled(inline="always")

@@ -74,7 +74,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
 from ..faults import FAULT, refuse
-from .grid import Array, Cells, Field, Flags, add, in_plenty, put, sum_of_products
+from .grid import Array, Cells, Field, Flags, add, images, in_plenty, put, sum_of_products
 
 NO_EDGE = -1.0
 BARE_AT_LEAST = 1e-300  # share of a cell in place of none, to divide by
@@ -197,7 +197,10 @@ def bore_of(supply: Supply, faces: Array, cells: Cells, n_a: int) -> Bore:
     bottom = np.empty(n_a + 2 * beyond)
     for k in range(bottom.size):
         bottom[k] = (k - beyond) * cells.dy
-    area = np.full((n_c, bottom.size), cells.dx * cells.dy)
+    area = np.empty((n_c, bottom.size))
+    for i in range(n_c):
+        for k in range(bottom.size):
+            area[i, k] = images(cells.mirrored, i, n_c) * cells.dx * cells.dy
     return Bore(supply, cells, n_a * cells.dy, beyond, faces, heights, bottom, area)
 
 
@@ -212,7 +215,7 @@ def start(bore: Bore, velocity: Array, open_cells: Flags) -> OilLayer:
         As for `mean_of`.
     """
     layer = bore.supply.initial_layer * _bare(_exposed(bore, 0.0))
-    mean = mean_of(velocity, open_cells)
+    mean = mean_of(velocity, open_cells, bore.cells)
     held = sum_of_products(layer, bore.area)
     nothing = np.zeros(bore.faces.shape)
     return OilLayer(layer, nothing, np.zeros(velocity.shape), 0.0, 0.0, mean, mean, 0.0, held)
@@ -226,16 +229,17 @@ def none_followed() -> OilLayer:
 
 
 @compiled
-def mean_of(velocity: Array, open_cells: Flags):
+def mean_of(velocity: Array, open_cells: Flags, cells: Cells):
     """V of the skirt [m/s], the mean over its cells, shape (n_c, n_a), that have a film."""
     total = 0.0
-    cells = 0
+    count = 0.0
     for i in range(velocity.shape[0]):
+        alike = images(cells.mirrored, i, velocity.shape[0])
         for j in range(velocity.shape[1]):
             if not open_cells[i, j]:
-                total += velocity[i, j]
-                cells += 1
-    return total / max(cells, 1)
+                total += alike * velocity[i, j]
+                count += alike
+    return total / max(count, 1.0)
 
 
 @compilable
@@ -395,7 +399,11 @@ def left(
                 reservoir[edge, i] -= stays
                 thickness[i, 0] = stays / bare
         oil = oil + thickness * uncovered
-    capacity = bore.supply.chamfer_capacity * bore.cells.dx
+    n_c = reservoir.shape[1]
+    capacity = np.empty(n_c)
+    for i in range(n_c):
+        width = images(bore.cells.mirrored, i, n_c) * bore.cells.dx  # Eq. (E19)
+        capacity[i] = bore.supply.chamfer_capacity * width
     fallen = np.maximum(reservoir - capacity, 0.0)  # Eq. (T25)
     reservoir = reservoir - fallen
     return OilLayer(
@@ -449,7 +457,7 @@ def _spill(bore: Bore, oil: Array, spilled: Array, height: float) -> None:
     first = min(int(np.floor(cells)), bore.beyond - 1)
     upper = cells - first
     lowest = first + bore.beyond
-    area = bore.cells.dx * bore.cells.dy
+    area = bore.area[:, :n_a]
     # Eq. (T28)
     add(oil[:, lowest : lowest + n_a], (1.0 - upper) * spilled / area)
     add(oil[:, lowest + 1 : lowest + 1 + n_a], upper * spilled / area)

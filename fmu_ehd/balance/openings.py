@@ -12,14 +12,14 @@ import numpy as np
 
 from ...master.fmi.compiled import compiled
 from .films import CONDUCTIVITY_A, CONDUCTIVITY_C
-from .grid import Array, Flags
+from .grid import Array, Cells, Flags, row_at
 from .reynolds import Faces, Filling
 
 FREE = 1e30  # conductivity of an opening: no resistance [m3/(Pa s)]
 
 
 @compiled
-def nearest(open_cells: Flags, dx: float, dy: float):
+def nearest(open_cells: Flags, cells: Cells):
     """Return the nearest cell with a film, from centre to centre.
 
     Of two at one distance it is the one with the lower j, then the first one around.
@@ -27,8 +27,8 @@ def nearest(open_cells: Flags, dx: float, dy: float):
     Parameters
     ----------
     open_cells : ndarray of bool, shape (n_c, n_a)
-    dx, dy : float
-        Cell size [m].
+    cells : grid.Cells
+        Of a ring or a mirrored grid.
 
     Returns
     -------
@@ -45,13 +45,13 @@ def nearest(open_cells: Flags, dx: float, dy: float):
                 continue
             least = np.inf
             for k in range(n_a):
-                along = (k - j) * dy
-                for steps in range(n_c // 2 + 1):
-                    before = (i - steps) % n_c
-                    after = (i + steps) % n_c
+                along = (k - j) * cells.dy
+                for steps in range(n_c):
+                    before = row_at(cells, i - steps, n_c)
+                    after = row_at(cells, i + steps, n_c)
                     if open_cells[before, k] and open_cells[after, k]:
                         continue
-                    around = steps * dx
+                    around = steps * cells.dx
                     distance = around * around + along * along
                     if distance < least:
                         least = distance

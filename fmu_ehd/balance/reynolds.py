@@ -73,6 +73,7 @@ from .grid import (
     Field,
     Flags,
     face_shares,
+    images,
 )
 
 # share of the gross flows, and of the film volume a step, that the throughput of a film is taken
@@ -100,7 +101,7 @@ class Storage(NamedTuple):
         Stored film s of a full cell at the end of the step, and content c_e that the step starts
         from [m].
     area_per_step : float
-        A / H_e [m2/s]; 0 for a steady film.
+        A / H_e of one image [m2/s]; 0 for a steady film.
     """
 
     stored: Array
@@ -182,7 +183,8 @@ def faces(film: Array, entrainment: Entrainment, open_cells: Flags, cells: Cells
     -------
     Faces
     """
-    dx, dy, ring = cells
+    dx, dy, ring, mirrored = cells
+    height = 2.0 * dy if mirrored else dy  # Eq. (E19)
     velocity_c, velocity_a = entrainment
     _, n_c, n_a = film.shape
     k_c = np.empty((n_c + 1, n_a))
@@ -196,8 +198,11 @@ def faces(film: Array, entrainment: Entrainment, open_cells: Flags, cells: Cells
         else:
             below = max(i - 1, 0)
             above = min(i, n_c - 1)
-        aspect = dy / dx if ring or 0 < i < n_c else 2.0 * dy / dx
+        aspect = height / dx if ring or 0 < i < n_c else 2.0 * dy / dx
         for j in range(n_a):
+            if mirrored and not 0 < i < n_c:
+                k_c[i, j] = t_c[i, j] = 0.0
+                continue
             share_a, share_b = face_shares(open_cells[below, j], open_cells[above, j])
             k_c[i, j], t_c[i, j] = _face(
                 film[CONDUCTIVITY_C, below, j],
@@ -206,13 +211,14 @@ def faces(film: Array, entrainment: Entrainment, open_cells: Flags, cells: Cells
                 film[TRANSPORT, above, j],
                 share_a * velocity_c[below, j] + share_b * velocity_c[above, j],
                 aspect,
-                dy,
+                height,
             )
     for i in range(n_c):
+        width = images(cells.mirrored, i, n_c) * dx  # Eq. (E19)
         for j in range(n_a + 1):
             below = max(j - 1, 0)
             above = min(j, n_a - 1)
-            aspect = dx / dy if 0 < j < n_a else 2.0 * dx / dy
+            aspect = width / dy if 0 < j < n_a else 2.0 * width / dy
             share_a, share_b = face_shares(open_cells[i, below], open_cells[i, above])
             k_a[i, j], t_a[i, j] = _face(
                 film[CONDUCTIVITY_A, i, below],
@@ -221,7 +227,7 @@ def faces(film: Array, entrainment: Entrainment, open_cells: Flags, cells: Cells
                 film[TRANSPORT, i, above],
                 share_a * velocity_a[i, below] + share_b * velocity_a[i, above],
                 aspect,
-                dx,
+                width,
             )
     return Faces(k_c, t_c, k_a, t_a)
 
@@ -242,7 +248,7 @@ def _inflow_part(k, t, pressure, fraction, limit):
 
 
 @compiled
-def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Edges, ring: bool):
+def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Edges, cells: Cells):
     """Return five-point matrix and right-hand side of Eq. (E1), by Eq. (E5).
 
     The pattern of full cells is given.
@@ -256,7 +262,7 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
         As in `Filling`.
     storage : Storage
     edges : grid.Edges
-    ring : bool
+    cells : grid.Cells
 
     Returns
     -------
@@ -268,14 +274,16 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
     k_c, t_c, k_a, t_a = faces
     stored, content, area_per_step = storage
     edge_pressure, edge_fraction, _ = edges
+    ring = cells.ring
     n_c, n_a = full.shape
     stencil = np.zeros((5, n_c, n_a))
     right = np.empty((n_c, n_a))
     for i in range(n_c):
+        rate = images(cells.mirrored, i, n_c) * area_per_step
         for j in range(n_a):
-            right[i, j] = area_per_step * (content[i, j] - stored[i, j])  # Eq. (E1)
+            right[i, j] = rate * (content[i, j] - stored[i, j])  # Eq. (E1)
             if not full[i, j]:
-                stencil[CENTRE, i, j] = area_per_step * stored[i, j]
+                stencil[CENTRE, i, j] = rate * stored[i, j]
     for i in range(n_c if ring else n_c + 1):  # on a ring face n_c is face 0
         a = (i - 1) % n_c
         b = i % n_c
@@ -476,7 +484,7 @@ def balance(
     storage: Storage,
     edges: Edges,
     open_cells: Flags,
-    ring: bool,
+    cells: Cells,
 ):
     """Return the residual of Eq. (E1), the content and the mass imbalance of the whole film.
 
@@ -493,7 +501,7 @@ def balance(
     edges : grid.Edges
     open_cells : ndarray of bool, shape (n_c, n_a)
         Cells without a film; what flows out of them counts as inflow over an edge.
-    ring : bool
+    cells : grid.Cells
 
     Returns
     -------
@@ -501,7 +509,7 @@ def balance(
     """
     stored, content, area_per_step = storage
     fraction = 1.0 + deficit
-    out, edge_flow, gross = outflow(Filling(pressure, fraction, lift), faces, edges, ring)
+    out, edge_flow, gross = outflow(Filling(pressure, fraction, lift), faces, edges, cells.ring)
     now = np.empty_like(pressure)
     residual = np.empty_like(pressure)
     total = 0.0
@@ -512,6 +520,8 @@ def balance(
         inflow += flow
         throughput += abs(flow)
     for i in range(pressure.shape[0]):
+        alike = images(cells.mirrored, i, pressure.shape[0])
+        rate = alike * area_per_step
         for j in range(pressure.shape[1]):
             if open_cells[i, j]:
                 now[i, j] = 0.0
@@ -520,9 +530,9 @@ def balance(
                 throughput += abs(out[i, j])
                 continue
             now[i, j] = fraction[i, j] * stored[i, j]
-            growth = area_per_step * (stored[i, j] - content[i, j] + deficit[i, j] * stored[i, j])
+            growth = rate * (stored[i, j] - content[i, j] + deficit[i, j] * stored[i, j])
             residual[i, j] = -out[i, j] - growth  # Eq. (E1)
-            volume += stored[i, j]
+            volume += alike * stored[i, j]
             total += growth
             throughput += abs(growth)
     # round-off of pressures and film fractions says nothing about a film in which next to nothing

@@ -58,7 +58,7 @@ ed., Springer 1993, section III.5 (variable-step BDF and their stability).
 from typing import NamedTuple
 
 from ...master.fmi.compiled import compiled
-from .grid import Array
+from .grid import Array, Cells, images
 
 LARGEST_RATIO = 2.0  # of H / H_n in Eq. (T2), below 1 + sqrt(2)
 # [m] content that is round-off in an empty cell: a film of 10 um times the rounding of film
@@ -102,7 +102,7 @@ class EulerStep(NamedTuple):
 
 
 @compiled
-def memory(past: ContentHistory):
+def memory(past: ContentHistory, cells: Cells):
     """Memory m of a film [-], 0 to 1, by how alike its last two growths are, Eq. (T4)."""
     content, growth, growth_before, step = past
     both = 0.0
@@ -110,11 +110,12 @@ def memory(past: ContentHistory):
     before = 0.0
     whole = 0.0
     for i in range(content.shape[0]):
+        alike = images(cells.mirrored, i, content.shape[0])
         for j in range(content.shape[1]):
-            both += growth[i, j] * growth_before[i, j]
-            last += growth[i, j] * growth[i, j]
-            before += growth_before[i, j] * growth_before[i, j]
-            whole += content[i, j] * content[i, j]
+            both += alike * (growth[i, j] * growth_before[i, j])
+            last += alike * (growth[i, j] * growth[i, j])
+            before += alike * (growth_before[i, j] * growth_before[i, j])
+            whole += alike * (content[i, j] * content[i, j])
     larger = max(last, before)
     if larger * step * step <= STANDSTILL * STANDSTILL * whole:
         return 0.0
@@ -122,7 +123,7 @@ def memory(past: ContentHistory):
 
 
 @compiled
-def euler_step(past: ContentHistory, step: float):
+def euler_step(past: ContentHistory, step: float, cells: Cells):
     """Return the step of backward Euler that equals the step of second order.
 
     It has a content and a length, Eqs. (T1) to (T4).
@@ -132,13 +133,14 @@ def euler_step(past: ContentHistory, step: float):
     past : ContentHistory
     step : float
         H [s], > 0.
+    cells : grid.Cells
 
     Returns
     -------
     EulerStep
     """
     ratio = min(step / past.step, LARGEST_RATIO) if past.step > 0.0 else 0.0
-    share = memory(past) * ratio * ratio / (1.0 + 2.0 * ratio)  # Eq. (T2)
+    share = memory(past, cells) * ratio * ratio / (1.0 + 2.0 * ratio)  # Eq. (T2)
     extrapolated = past.content + share * past.step * past.growth
     if extrapolated.min() < -NEGLIGIBLE:
         return EulerStep(past.content, step)  # Eq. (T3)

@@ -31,6 +31,7 @@ from .grid import (
     Entrainment,
     Flags,
     face_shares,
+    images,
 )
 from .reynolds import Filling
 
@@ -131,26 +132,27 @@ def _add_edge(q, sign, row, slopes, du, centre, i, j):
 @compiled
 def _add_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre):
     """Add the derivatives of the flows over the edges to both centres."""
-    dx, dy, ring = cells
+    dx, dy, ring, mirrored = cells
     pressure, fraction, lift = filling
     n_c, n_a = pressure.shape
     t = film[TRANSPORT]
     g = film[CONDUCTIVITY_A]
     u = entrainment.axial
     du = dentrainment.axial
-    aspect = 2.0 * dx / dy
     for i in range(n_c):
+        width = images(cells.mirrored, i, n_c) * dx
+        aspect = 2.0 * width / dy
         for edge, j, sign in ((LOWER, 0, -1.0), (UPPER, n_a - 1, 1.0)):
             cell = _side(g, t, pressure, fraction, i, j)
             entering = edges.film_fraction[edge]
             face = 0 if edge == LOWER else n_a
-            if -sign * dx * u[i, j] * t[i, j] * entering > edges.limit[i, face]:
+            if -sign * width * u[i, j] * t[i, j] * entering > edges.limit[i, face]:
                 entering = 0.0  # a given inflow follows neither film nor velocity
             leaving = lift[i, face]
             outside = edges.pressure[edge]
-            q = _edge_slopes(cell, u[i, j], outside, entering, sign, aspect, dx, leaving)
+            q = _edge_slopes(cell, u[i, j], outside, entering, sign, aspect, width, leaving)
             _add_edge(q, sign, CONDUCTIVITY_A, slopes, du, centre, i, j)
-    if ring:
+    if ring or mirrored:
         return
     g = film[CONDUCTIVITY_C]
     u = entrainment.circumferential
@@ -222,7 +224,8 @@ def linearise(
     """
     by_film, by_velocity = slopes
     entrainment, dentrainment = streams
-    dx, dy, ring = cells
+    dx, dy, ring, mirrored = cells
+    height = 2.0 * dy if mirrored else dy
     pressure, fraction, lift = filling
     n_c, n_a = pressure.shape
     stencil = np.empty((2, 5, n_c, n_a))
@@ -236,12 +239,13 @@ def linearise(
     u = entrainment.axial
     du = dentrainment.axial
     for i in range(n_c):
+        width = images(cells.mirrored, i, n_c) * dx
         for j in range(n_a - 1):
             a = _side(g, t, pressure, fraction, i, j)
             b = _side(g, t, pressure, fraction, i, j + 1)
             share_a, share_b = face_shares(open_cells[i, j], open_cells[i, j + 1])
             velocity = share_a * u[i, j] + share_b * u[i, j + 1]
-            q = _flow_slopes(a, b, velocity, dx / dy, dx, lift[i, j + 1])
+            q = _flow_slopes(a, b, velocity, width / dy, width, lift[i, j + 1])
             by_a, by_b = share_a * q.velocity, share_b * q.velocity
             here = _of_cell(q.g_a, q.t_a, by_a, CONDUCTIVITY_A, slopes, du, i, j)
             there = _of_cell(q.g_b, q.t_b, by_b, CONDUCTIVITY_A, slopes, du, i, j + 1)
@@ -259,7 +263,7 @@ def linearise(
             b = _side(g, t, pressure, fraction, k, j)
             share_a, share_b = face_shares(open_cells[i, j], open_cells[k, j])
             velocity = share_a * u[i, j] + share_b * u[k, j]
-            q = _flow_slopes(a, b, velocity, dy / dx, dy)
+            q = _flow_slopes(a, b, velocity, height / dx, height)
             by_a, by_b = share_a * q.velocity, share_b * q.velocity
             here = _of_cell(q.g_a, q.t_a, by_a, CONDUCTIVITY_C, slopes, du, i, j)
             there = _of_cell(q.g_b, q.t_b, by_b, CONDUCTIVITY_C, slopes, du, k, j)
@@ -272,7 +276,7 @@ def linearise(
     _add_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, centre)
     for i in range(n_c):
         for j in range(n_a):
-            held = area_per_step * fraction[i, j]
+            held = images(cells.mirrored, i, n_c) * area_per_step * fraction[i, j]
             stencil[BY_FILM, CENTRE, i, j] += held * by_film[STORED, i, j]
             if by_velocity.shape[0] > 0:
                 stencil[BY_VELOCITY, CENTRE, i, j] += held * by_velocity[STORED, i, j]

@@ -71,7 +71,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
 from .films import CONDUCTIVITY_A, STORED, TRANSPORT
-from .grid import LOWER, OPENINGS, UPPER, Array, Cells, Edges, Flags, face_shares
+from .grid import LOWER, OPENINGS, UPPER, Array, Cells, Edges, Flags, face_shares, images
 
 # cells of travel in a step between which there is a lift: below, nothing moves but round-off
 NEAREST, FARTHEST = 1e-9, 16.0
@@ -149,7 +149,7 @@ class TransportFilm(NamedTuple):
     travel : ndarray, shape (n_c, n_a + 1), X [m];
     full, resting : ndarray of bool, shape (n_c, n_a), as in `CellStates`;
     supply : ndarray, shape (2, n_c), film fraction at lower and upper edge [-];
-    width : of a face [m].
+    width : ndarray, shape (n_c,), of the faces of each row [m].
     """
 
     stored: Array
@@ -159,7 +159,7 @@ class TransportFilm(NamedTuple):
     full: Flags
     resting: Flags
     supply: Array
-    width: float
+    width: Array
 
 
 @compiled(inline="always")
@@ -174,7 +174,8 @@ def _row_flow(content, i, way, steps, given, flow):
 
     It is one of `steps`, Eqs. (T12) to (T14).
     """
-    stored, mobile, between, travel, full, resting, supply, width = way
+    stored, mobile, between, travel, full, resting, supply, widths = way
+    width = widths[i]
     n_a = content.size
     for j in range(n_a + 1):
         x = travel[i, j] / steps
@@ -245,13 +246,13 @@ def _lift_at_fronts(i, way, given, through, content, past, area, fraction):
         face = entry + onward
         if way.travel[i, face] * way.travel[i, entry] <= 0.0:
             continue
-        swept = way.width * way.travel[i, entry] * way.mobile[i, cell]
+        swept = way.width[i] * way.travel[i, entry] * way.mobile[i, cell]
         entering = min(max(through[entry] / swept, 0.0), 1.0)
         if entering == 1.0:
             continue
         deficit = 1.0 - entering
         share = (content[cell] / way.stored[i, cell] - entering) / deficit
-        drawn = way.width * abs(way.travel[i, face]) * way.between[i, face]
+        drawn = way.width[i] * abs(way.travel[i, face]) * way.between[i, face]
         passing = min(max(flow / drawn, 0.0), 1.0)
         moving = (entering - passing) * (min(max(share, 0.0), 1.0) - 0.5)
         room = NEAR_FULL * deficit
@@ -344,14 +345,15 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
     -------
     Lift
     """
-    width = cells.dx
-    area = cells.dx * cells.dy
     n_c, n_a = past.content.shape
+    widths = np.empty(n_c)
+    for i in range(n_c):
+        widths[i] = images(cells.mirrored, i, n_c) * cells.dx  # Eq. (E19)
     fraction = np.zeros((n_c, n_a + 1))
     travel = past.travel * pace.ratio  # Eq. (T15)
     supply = np.empty((2, n_c))
-    way = _expected_film(past, states, 0.5 * pace.ratio, travel, supply, width)  # in the middle
-    end = _expected_film(past, states, pace.ratio, travel, supply, width)
+    way = _expected_film(past, states, 0.5 * pace.ratio, travel, supply, widths)  # in the middle
+    end = _expected_film(past, states, pace.ratio, travel, supply, widths)
     given = np.empty(n_a + 1)
     through = np.empty(n_a + 1)
     content = np.empty(n_a)
@@ -363,6 +365,8 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
         steps = _explicit_steps(i, way, cells.dy)
         if steps == 0:
             continue
+        width = widths[i]
+        area = width * cells.dy
         for j in range(n_a + 1):
             given[j] = pace.ratio * past.passed[i, j]
             through[j] = 0.0

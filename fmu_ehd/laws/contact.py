@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from ..balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Flags
+from ..balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Cells, Flags, row_at
 from .asperity import TABLE_END, ContactConstants, point_contact
 
 # Eq. (A12): contact on a smaller step changes by less than 1 %, on all of a cell's parabola
@@ -90,11 +90,17 @@ def _shares(x, before_there, after_there):
 
 
 @compiled(inline="always")
-def _exists(k, i, j, a, b, open_cells, ring):
-    """Return whether entry k of the stencil of cell (i, j), cell (a, b), has a film of its own."""
-    if open_cells[a, b] or (a == i and b == j):
-        return False
-    return ring or abs(a - i) <= 1  # across the ends of a sector
+def _beside(k, steps, i, j, open_cells, cells):
+    """Return the cell so many steps from cell (i, j) towards entry k of its stencil.
+
+    Its row is -1 if there is no film.
+    """
+    n_c, n_a = open_cells.shape
+    if k == SOUTH or k == NORTH:
+        b = j - steps if k == SOUTH else j + steps
+        return (i if 0 <= b < n_a and not open_cells[i, b] else -1), b
+    a = row_at(cells, i - steps if k == WEST else i + steps, n_c)
+    return (-1 if n_c == 1 or a < 0 or open_cells[a, j] else a), j
 
 
 @compiled(inline="always")
@@ -106,21 +112,15 @@ def _is_step(before, jump, after, least):
 
 
 @compiled
-def step_to(k, i, j, film_thickness, open_cells, least, ring):
+def step_to(k, i, j, film_thickness, open_cells, least, cells):
     """Return the step of the gap from cell (i, j) to entry k of its stencil, Eq. (A12).
 
     It is 0 if the change is smooth, or if a jump before or behind is missing.
     """
-    n_c, n_a = film_thickness.shape
-    back = OPPOSITE[k]
-    p, q = neighbour(back, i, j, n_c, n_a)
-    a, b = neighbour(k, i, j, n_c, n_a)
-    c, d = neighbour(k, a, b, n_c, n_a)
-    if not (
-        _exists(back, i, j, p, q, open_cells, ring)
-        and _exists(k, i, j, a, b, open_cells, ring)
-        and _exists(k, a, b, c, d, open_cells, ring)
-    ):
+    p, q = _beside(OPPOSITE[k], 1, i, j, open_cells, cells)
+    a, b = _beside(k, 1, i, j, open_cells, cells)
+    c, d = _beside(k, 2, i, j, open_cells, cells)
+    if p < 0 or a < 0 or c < 0:
         return 0.0
     own = film_thickness[i, j]
     jump = film_thickness[a, b] - own
@@ -130,7 +130,7 @@ def step_to(k, i, j, film_thickness, open_cells, least, ring):
 
 
 @compiled
-def profile_steps(film_thickness: Array, open_cells: Flags, roughness_rms: float, ring: bool):
+def profile_steps(film_thickness: Array, open_cells: Flags, roughness_rms: float, cells: Cells):
     """Return where the gap steps, Eq. (A12).
 
     Parameters
@@ -141,8 +141,7 @@ def profile_steps(film_thickness: Array, open_cells: Flags, roughness_rms: float
         Cells without a film.
     roughness_rms : float
         sigma [m].
-    ring : bool
-        Whether i is periodic.
+    cells : grid.Cells
 
     Returns
     -------
@@ -159,13 +158,13 @@ def profile_steps(film_thickness: Array, open_cells: Flags, roughness_rms: float
             if open_cells[i, j]:
                 continue
             for row, k in enumerate((SOUTH, WEST)):
-                jump = step_to(k, i, j, film_thickness, open_cells, least, ring)
+                jump = step_to(k, i, j, film_thickness, open_cells, least, cells)
                 steps[row, i, j] = jump != 0.0
     return steps
 
 
 @compiled
-def has_narrow_steps(film_thickness: Array, open_cells: Flags, roughness_rms: float, ring: bool):
+def has_narrow_steps(film_thickness: Array, open_cells: Flags, roughness_rms: float, cells: Cells):
     """Return whether a land or groove is one cell wide.
 
     The gap then steps by more than the roughness to both sides of a cell, Eq. (A12).
@@ -179,8 +178,8 @@ def has_narrow_steps(film_thickness: Array, open_cells: Flags, roughness_rms: fl
             if open_cells[i, j]:
                 continue
             for k in (SOUTH, WEST):
-                one = step_to(k, i, j, film_thickness, open_cells, least, ring)
-                other = step_to(OPPOSITE[k], i, j, film_thickness, open_cells, least, ring)
+                one = step_to(k, i, j, film_thickness, open_cells, least, cells)
+                other = step_to(OPPOSITE[k], i, j, film_thickness, open_cells, least, cells)
                 if one * other > 0.0:
                     return True
     return False
@@ -193,7 +192,7 @@ def contact(
     steps: Flags,
     open_cells: Flags,
     constants: ContactConstants,
-    ring: bool,
+    cells: Cells,
 ):
     """Return pressure, area fraction, boundary shear stress and elastic energy of the asperities.
 
@@ -210,8 +209,7 @@ def contact(
     open_cells : ndarray of bool, shape (n_c, n_a)
         Cells without a film, which touch nothing.
     constants : asperity.ContactConstants
-    ring : bool
-        Whether i is periodic.
+    cells : grid.Cells
 
     Returns
     -------
@@ -237,8 +235,8 @@ def contact(
             centre = film_thickness[i, j] + deflection[i, j]
             lowest = centre
             for k in (SOUTH, NORTH, WEST, EAST):
-                a, b = neighbour(k, i, j, n_c, n_a)
-                there[k] = _exists(k, i, j, a, b, open_cells, ring)
+                a, b = _beside(k, 1, i, j, open_cells, cells)
+                there[k] = a >= 0
                 higher[k] = film_thickness[a, b] - film_thickness[i, j] if there[k] else 0.0
                 lowest -= 0.5 * abs(higher[k])
             if not lowest < reach:
@@ -246,7 +244,8 @@ def contact(
             there[SOUTH] = there[SOUTH] and not steps[0, i, j]
             there[NORTH] = there[NORTH] and not steps[0, i, j + 1]
             there[WEST] = there[WEST] and not steps[1, i, j]
-            there[EAST] = there[EAST] and not steps[1, (i + 1) % n_c, j]
+            next_step = i if cells.mirrored and i == n_c - 1 else (i + 1) % n_c
+            there[EAST] = there[EAST] and not steps[1, next_step, j]
             for x, weight_x in zip(POINTS, WEIGHTS):
                 share[WEST], share[EAST] = _shares(x, there[WEST], there[EAST])
                 across = share[WEST] * higher[WEST] + share[EAST] * higher[EAST]
@@ -267,6 +266,13 @@ def contact(
                     for k in range(5):
                         slope[k, i, j] += weight * share[k] * at.pressure_slope
                         stress_slope[k, i, j] += weight * share[k] * at.shear_stress_slope
+    if cells.mirrored:
+        for each in (slope, stress_slope):  # both neighbours of an end are the same row
+            for j in range(n_a):
+                each[EAST, 0, j] += each[WEST, 0, j]
+                each[WEST, 0, j] = 0.0
+                each[WEST, n_c - 1, j] += each[EAST, n_c - 1, j]
+                each[EAST, n_c - 1, j] = 0.0
     return Contact(pressure, area, stress, slope, stress_slope, energy)
 
 

@@ -30,7 +30,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled, numbered
 from ..balance.films import COUETTE
-from ..balance.grid import Array, Field, Flags
+from ..balance.grid import Array, Field
 from ..faults import FAULT, refuse
 
 PRESSURE_VISCOSITY_LAWS = numbered("none", "barus_1893", "roelands_1966")
@@ -81,7 +81,7 @@ class TruePressure(NamedTuple):
 
 @compilable
 def pressure_law(
-    kind: int, alpha: float, viscosity: Array, open_cells: Flags, table: Array
+    kind: int, alpha: float, viscosity: Array, images: Array, table: Array
 ) -> PressureLaw:
     """Return the pressure law of an oil.
 
@@ -93,8 +93,8 @@ def pressure_law(
         [1/Pa].
     viscosity : ndarray, shape (n_c, n_a)
         Low-shear mu_0 [Pa s]; its mean is that of Eq. (O5).
-    open_cells : ndarray of bool, shape (n_c, n_a)
-        Cells without a film, which the mean omits.
+    images : ndarray, shape (n_c, n_a)
+        Number of cells of the film that a cell represents, 0 in cut-outs: its weight in the mean.
     table : ndarray of shape `TABLE`
         Overwritten by the table of Eq. (O5).
 
@@ -105,7 +105,7 @@ def pressure_law(
     if kind == PRESSURE_VISCOSITY_LAWS.barus_1893:
         return _barus_1893(alpha, table)
     if kind == PRESSURE_VISCOSITY_LAWS.roelands_1966:
-        return _roelands_1966(alpha, viscosity, open_cells, table)
+        return _roelands_1966(alpha, viscosity, images, table)
     return PressureLaw(PRESSURE_VISCOSITY_LAWS.none, alpha, 0.0, 0.0, np.inf, np.inf, table)
 
 
@@ -117,16 +117,15 @@ def _barus_1893(alpha, table):
 
 
 @compiled
-def _roelands_1966(alpha, viscosity, open_cells, table):
+def _roelands_1966(alpha, viscosity, images, table):
     total = 0.0
-    cells = 0
+    cells = 0.0
     for i in range(viscosity.shape[0]):
         for j in range(viscosity.shape[1]):
-            if not open_cells[i, j]:
-                total += viscosity[i, j]
-                cells += 1
+            total += images[i, j] * viscosity[i, j]
+            cells += images[i, j]
     kind = PRESSURE_VISCOSITY_LAWS.roelands_1966
-    level = np.log(total / max(cells, 1)) + POLE_LOGARITHM
+    level = np.log(total / max(cells, 1.0)) + POLE_LOGARITHM
     z = alpha * POLE_PRESSURE / level
     growth = np.log(LARGEST_RATIO) / level
     law = PressureLaw(kind, alpha, level, z, np.inf, 0.0, table)

@@ -2,12 +2,15 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from piston_cosim.fmu_ehd.balance.grid import Cells
 from piston_cosim.fmu_ehd.laws import asperity
 from piston_cosim.fmu_ehd.laws.contact import contact as contact_of_cells
 from piston_cosim.fmu_ehd.laws.contact import has_narrow_steps
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.motored import film_after
 
+RING = Cells(1.0, 1.0, ring=True, mirrored=False)
+SECTOR = RING._replace(ring=False)
 UNIT = asperity.ContactConstants(1.0, 1.0, 1.0, 0.1, 0.0, 0.0, asperity.contact_table())
 
 
@@ -71,7 +74,7 @@ def test_a_sloped_cell_touches_with_its_corner():
     x = np.array([-1.0, 0.0, 1.0])
     film = 17.5 + 20.0 * np.add.outer(x, x)
     no_step, closed = np.zeros((2, 3, 3), bool), np.zeros((3, 3), bool)
-    found = contact_of_cells(film, np.zeros((3, 3)), no_step, closed, UNIT, False)
+    found = contact_of_cells(film, np.zeros((3, 3)), no_step, closed, UNIT, SECTOR)
     outer, inner = np.sqrt(3.0 / 7.0 + np.array([2.0, -2.0]) / 7.0 * np.sqrt(1.2)) / 2.0
     least, most = np.array([18.0 - np.sqrt(30.0), 18.0 + np.sqrt(30.0)]) / 72.0
     corner, beside = contact(17.5 - 20.0 * np.array([2.0 * outer, outer + inner])).pressure
@@ -93,6 +96,6 @@ def test_a_narrow_land_is_found_where_there_is_a_film():
     film = np.full((8, 6), 12e-6)
     film[:, 3] = 2e-6
     nowhere = np.zeros(film.shape, dtype=bool)
-    assert has_narrow_steps(film, nowhere, 1e-6, True)
-    assert not has_narrow_steps(film, film < 5e-6, 1e-6, True)
-    assert not has_narrow_steps(film, nowhere, 11e-6, True)
+    assert has_narrow_steps(film, nowhere, 1e-6, RING)
+    assert not has_narrow_steps(film, film < 5e-6, 1e-6, RING)
+    assert not has_narrow_steps(film, nowhere, 11e-6, RING)

@@ -15,12 +15,13 @@ import json, sys
 import numpy as np
 from piston_cosim.fmu_ehd import native
 from piston_cosim.fmu_ehd.slave import Ehd
+from piston_cosim.master.fmi.symmetry import odd_part
 from piston_cosim.tests.twins import Twins
 from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 folder, changes = sys.argv[1], json.loads(sys.argv[2])
-grid = (6, 8)
-mask = np.array(json.loads(sys.argv[3]) or np.ones(grid), dtype=int)
+mask = np.array(json.loads(sys.argv[3]) or np.ones((6, 8)), dtype=int)
+grid = mask.shape
 surface = sys.argv[4]
 options = dict(grid=grid, inputs=[], oil={}, mask=None, surface=surface)
 if not mask.all():
@@ -34,6 +35,8 @@ def give(time):
     film, velocity = motored_film(grid, time)
     if not mask.all():  # where no film is anything may stand, and each neighbour differs
         velocity = velocity * (1.0 + 0.01 * np.arange(mask.size).reshape(grid))
+        if "film_symmetry" in changes:
+            velocity -= odd_part(velocity)
         film[mask == 0] = 0.1
         velocity[mask == 0] = -1e3
     twins.give(dict(film_thickness=film - 4e-6, sliding_velocity=velocity))
@@ -68,6 +71,8 @@ WINDOWS = [
     [1, 1, 0, 0, 1, 0, 0, 1],
 ]
 """Cut-outs across the first row, at both edges and single; a film cell with none beside it."""
+MIRRORED = [WINDOWS[k] for k in (2, 1, 0, 1, 2, 3, 4, 3)]
+HALF = dict(film_symmetry="thrust_plane")
 
 
 FED = dict(opening_supply="own", pressure_openings=2e5)
@@ -110,6 +115,7 @@ def compared(changes, mask, surface, folder):
         (dict(COATED | ROELANDS | ROUGH, shear_thinning_law="carreau_1972"), WINDOWS),
         (dict(RING, roughness_rms=2e-6, summit_height=1e-6, contact_law="power_fit"), None),
         (dict(ON_BORE, **ROUGH, coating_thickness=2e-5), WINDOWS),
+        (dict(HALF | ON_BORE, **ROUGH), MIRRORED),
     ],
 )
 def test_the_step_has_the_bits_of_the_model(changes, mask, tmp_path):

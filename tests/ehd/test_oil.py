@@ -39,8 +39,7 @@ LIBRARY = tomllib.loads((MODELS / "oils.toml").read_text())
 def law(request):
     """Return a pressure law with alpha = 20 1/GPa."""
     kind = getattr(PRESSURE_VISCOSITY_LAWS, request.param)
-    no_opening = np.zeros((1, 1), dtype=bool)
-    return pressure_law(kind, 2e-8, np.full((1, 1), 0.03), no_opening, np.zeros(TABLE))
+    return pressure_law(kind, 2e-8, np.full((1, 1), 0.03), np.ones((1, 1)), np.zeros(TABLE))
 
 
 def test_every_reduced_pressure_has_a_pressure_that_goes_back(law):
@@ -55,8 +54,7 @@ def test_every_reduced_pressure_has_a_pressure_that_goes_back(law):
 def test_reduced_pressure_is_the_integral_of_the_law_also_under_suction(alpha, mu):
     """q = int_0^p mu_0/mu dp by quadrature with mu_0/mu of Roelands' law, and back; 1e-5: table."""
     kind = PRESSURE_VISCOSITY_LAWS.roelands_1966
-    cells = np.zeros((1, 1), dtype=bool)
-    law = pressure_law(kind, alpha, np.full((1, 1), mu), cells, np.zeros(TABLE))
+    law = pressure_law(kind, alpha, np.full((1, 1), mu), np.ones((1, 1)), np.zeros(TABLE))
     level = np.log(mu) + 9.67
     z = alpha * 1.96e8 / level
     for p in (-1.9e8, -5e7, -1e5, 1e5, 3e7):
@@ -65,11 +63,11 @@ def test_reduced_pressure_is_the_integral_of_the_law_also_under_suction(alpha, m
         assert pressure_of(law, exact) == pytest.approx(p, rel=1e-5)
 
 
-def test_the_mean_of_roelands_omits_openings():
+def test_the_mean_of_roelands_counts_images_and_omits_openings():
     kind = PRESSURE_VISCOSITY_LAWS.roelands_1966
-    viscosity, cells = np.array([[0.01, 0.03, 9.0]]), np.array([[False, False, True]])
-    law = pressure_law(kind, 2e-8, viscosity, cells, np.zeros(TABLE))
-    assert law.level == pytest.approx(np.log(0.02) + 9.67, rel=1e-15)
+    viscosity, images = np.array([[0.01, 0.04, 9.0]]), np.array([[1.0, 2.0, 0.0]])
+    law = pressure_law(kind, 2e-8, viscosity, images, np.zeros(TABLE))
+    assert law.level == pytest.approx(np.log(0.03) + 9.67, rel=1e-15)
 
 
 @pytest.mark.parametrize("name", LIBRARY)

@@ -8,8 +8,14 @@ import pytest
 from scipy.ndimage import distance_transform_edt
 
 import piston_cosim as pc
-from piston_cosim.fmu_ehd.balance.openings import nearest, starve
+from piston_cosim.fmu_ehd.balance import openings
+from piston_cosim.fmu_ehd.balance.grid import Cells
+from piston_cosim.fmu_ehd.balance.openings import starve
 from piston_cosim.fmu_ehd.balance.reynolds import Faces
+
+
+def nearest(open_cells, dx, dy):
+    return openings.nearest(open_cells, Cells(dx, dy, ring=True, mirrored=False))
 
 
 def test_the_nearest_film_is_that_of_an_exact_distance_transform():

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd.balance.storage import ContentHistory, euler_step, memory
+from piston_cosim.fmu_ehd.balance import storage
+from piston_cosim.fmu_ehd.balance.grid import Cells
+from piston_cosim.fmu_ehd.balance.storage import ContentHistory
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step_parts import begin
@@ -15,6 +17,11 @@ from piston_cosim.tests.verification.cases.motored import (
 )
 
 SHAPE = (12, 10)
+CELLS = Cells(1e-3, 1e-3, ring=True, mirrored=False)
+
+
+def euler_step(past, step):
+    return storage.euler_step(past, step, CELLS)
 
 
 def going_on(now, before, step):
@@ -88,7 +95,7 @@ def test_memory_by_hand(growth, before, expected):
     """4 r_n.r_{n-1}/max(r_n.r_n, r_{n-1}.r_{n-1}) from 0 to 1."""
     content = np.ones((1, 2))
     past = ContentHistory(content, np.array([growth]), np.array([before]), 1.0)
-    assert memory(past) == pytest.approx(expected, rel=1e-14)
+    assert storage.memory(past, CELLS) == pytest.approx(expected, rel=1e-14)
 
 
 @pytest.mark.parametrize("thinner", [18e-6, 10e-6])
@@ -142,7 +149,7 @@ def test_oil_of_a_cycle_in_random_steps_is_the_weighted_sum_of_the_inflows():
     start, _ = model.start(*motored_film(SHAPE, 0.0))
     state, last, inflows, lengths, shares = start, 0.0, [], [], []
     for end in random_ends(0, 720):
-        length = begin(state.film, end - last).start.length
+        length = begin(state.film, end - last, model.fixed.domain.cells).start.length
         lengths.append(length)
         shares.append((end - last - length) / state.film.step if state.film.step else 0.0)
         state, outputs = model.advance(state, *motored_film(SHAPE, end), end - last)

@@ -41,7 +41,7 @@ VISCOSITY = 0.012  # [Pa s]
 FILM = 6e-6  # [m]
 CONDUCTIVITY = FILM**3 / (12.0 * VISCOSITY)  # [m3/(Pa s)]
 DX, DY = 3e-3, 2e-3  # [m]
-CELLS = Cells(DX, DY, False)
+CELLS = Cells(DX, DY, ring=False, mirrored=False)
 FLOODED = np.ones(4)
 NO_PRESSURE = np.zeros(4)
 NO_LIFT = np.zeros((2, 2))
@@ -72,7 +72,7 @@ def test_one_cell_between_four_edges():
     faces = reynolds.faces(parallel((1, 1))[0], still, np.zeros((1, 1), dtype=bool), CELLS)
     full = np.ones((1, 1), dtype=bool)
     edges = Edges(pressure, FLOODED, in_plenty((1, 1)))
-    stencil, right = reynolds.assemble(full, faces, np.zeros((1, 2)), steady((1, 1)), edges, False)
+    stencil, right = reynolds.assemble(full, faces, np.zeros((1, 2)), steady((1, 1)), edges, CELLS)
     across = 2.0 * DY / DX * CONDUCTIVITY
     along = 2.0 * DX / DY * CONDUCTIVITY
     expected = (across * 9e5 + along * 4e5) / (2.0 * (across + along))
@@ -95,7 +95,7 @@ def test_two_starved_cells_in_a_stream(velocity, fraction):
     stream = Entrainment(np.full(shape, velocity), np.zeros(shape))
     faces = reynolds.faces(parallel(shape)[0], stream, np.zeros(shape, dtype=bool), CELLS)
     cavitated = np.zeros(shape, dtype=bool)
-    stencil, right = reynolds.assemble(cavitated, faces, NO_LIFT, steady(shape), edges, False)
+    stencil, right = reynolds.assemble(cavitated, faces, NO_LIFT, steady(shape), edges, CELLS)
     matrix = np.array(
         [
             [stencil[CENTRE, 0, 0], stencil[EAST, 0, 0]],

@@ -171,8 +171,7 @@ def test_pressure_makes_oil_thick(law):
 def test_beyond_its_limit_an_oil_is_a_thousand_times_as_thick(kind):
     """mu = 1000 mu_0 and dmu/dp = 0; dq/dp is 1/1000."""
     number = getattr(PRESSURE_VISCOSITY_LAWS, kind)
-    no_opening = np.zeros((2, 2), dtype=bool)
-    law = pressure_law(number, 2e-8, np.full((2, 2), 0.02), no_opening, np.zeros(TABLE))
+    law = pressure_law(number, 2e-8, np.full((2, 2), 0.02), np.ones((2, 2)), np.zeros(TABLE))
     ratio, slope = viscosity_ratio(law, 0.999 * law.limit)
     assert 900.0 < ratio < 1000.0 and slope > 0.0
     assert viscosity_ratio(law, 1.5 * law.limit) == pytest.approx((1000.0, 0.0), rel=1e-9)

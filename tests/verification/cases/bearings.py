@@ -635,7 +635,7 @@ def film_coefficients(length: float, e: float, model: str) -> tuple[Array, Array
     state, _ = film.advance(state, thickness, rotor.still, STEADY, rotor.turning)
     stiffness = rotor.stiffness()
     short = 1e-6
-    length_of_step = begin(state.film, short).start.length
+    length_of_step = begin(state.film, short, film.fixed.domain.cells).start.length
     film.advance(state, thickness, rotor.still, short, rotor.turning)
     # the balance holds dh over the length of the step: K + D / H_e
     return stiffness, (rotor.stiffness() - stiffness) * length_of_step

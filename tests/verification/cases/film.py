@@ -256,7 +256,7 @@ def oscillating_squeeze(cells: int, step: float, end: float = 0.75) -> Oscillati
     pressure = 0.0
     for k, time in enumerate(times):
         h = np.full(grid.shape, 0.375 + 0.125 * np.cos(4.0 * np.pi * time))
-        begin = storage.euler_step(past, step)
+        begin = storage.euler_step(past, step, grid.cells)
         film = film_step.solve(flow_film(h, 1.0 / 6.0), still, edges, begin, full)
         past = ContentHistory(film.content, (film.content - past.content) / step, past.growth, step)
         full = film.full

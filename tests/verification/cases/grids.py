@@ -44,7 +44,7 @@ class Grid:
     def cells(self) -> Cells:
         """Cell size and closure."""
         n_c, n_a = self.shape
-        return Cells(self.width / n_c, self.length / n_a, self.ring)
+        return Cells(self.width / n_c, self.length / n_a, self.ring, mirrored=False)
 
     @property
     def cell_area(self) -> float:
