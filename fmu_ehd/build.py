@@ -17,7 +17,7 @@ from ..master.fmi.variables import Variable
 from ..models import MODELS
 from .oil import Oil, vogel_constants
 from .options import BuildOptions
-from .parameters import CHOICES
+from .parameters import CHOICES, has_image
 from .variables import CONDITION_VARIABLES, OIL_VARIABLES, variables
 
 SMALLEST, LARGEST = 4, 1000  # cells along one side
@@ -155,7 +155,8 @@ def symmetry(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: 
                 reasons.append(f"parameters.{lower} (differs from {upper})")
             elif {lower, upper} & {*built.inputs}:
                 reasons.append(f"build.inputs ({lower} may differ from {upper})")
-    return Symmetry(reasons)
+    mirrors = has_image(built.grid, built.open_cells, built.surface)
+    return Symmetry(reasons, half={"film_symmetry": "thrust_plane"} if mirrors else {})
 
 
 def library_oil(name: str | None, faults: list[str]) -> dict[str, float | str]:

@@ -33,8 +33,7 @@ SHARE_OF_A_BEARING = 0.5
 LARGEST_ODD_PART = 1e-6
 """Odd part of an input over its largest value, up to which half a film is computed [-].
 
-Reduced bodies that are their own mirror image are so to 1e-9 of their deflection. A body that tilts
-by 1e-6 rad moves the film by 1e-3.
+Round-off is far below. A skirt of 27 mm that tilts by 1e-7 rad exceeds it in a film of 1 mm.
 """
 
 BY_FILM_FRACTION = 1 + friction.CAVITY_SHEAR.index("film_fraction")  # as in `parameters.Chosen`

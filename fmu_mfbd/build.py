@@ -54,7 +54,15 @@ from .reduction.reduced_body import (
 )
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.store import kept_body
-from .thrust_symmetry import IMAGES, asymmetries, asymmetries_of_bodies, claims, kind_of
+from .thrust_symmetry import (
+    IMAGES,
+    ODD_COMPLIANCE,
+    ODD_MODE,
+    asymmetries,
+    asymmetries_of_bodies,
+    claims,
+    kind_of,
+)
 from .variables import inputs, parameters, signals
 
 Given = TypeVar("Given")
@@ -168,6 +176,15 @@ def symmetry(options: dict[str, Any], parameters: dict[str, Any], folder: Path) 
     tables = read_tables(build)
     reasons = asymmetries(build, tables.skirt, tables.bore, parameters.get("pin_tilt", 0.0))
     return Symmetry(reasons, claims(build), IMAGES if build.floating_pin else {})
+
+
+def odd_bodies(options: dict[str, Any], folder: Path) -> list[str]:
+    """Return the reasons why reduced bodies are not their own mirror image to round-off.
+
+    Bodies that are not in the cache are reduced. The arguments are those of `prepare`.
+    """
+    build = read_options(options, folder)
+    return _asymmetries(build, _bodies(build, lambda text: None), ODD_MODE)
 
 
 def prepare(
@@ -384,11 +401,16 @@ def _bodies(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[
                 waiting[name] = submit(one.shell, film, kind, progress, f"{name}.shell")
     files = dict(zip(waiting, for_all(Future.result, waiting.values()), strict=True))
     if assumed:
-        both = (("piston", build.piston), ("block", build.block))
-        bodies = {name: load(kind_of(body), files[name]) for name, body in both if body}
-        skirt = _mesh_skirt(files["piston"]) if "piston" in files else None
-        _reject(assumed, asymmetries_of_bodies(bodies, skirt, build.grid[0]))
+        _reject(assumed, _asymmetries(build, files, ODD_COMPLIANCE))
     return files
+
+
+def _asymmetries(build: Build | Bodies, files: dict[str, Path], limit: float) -> list[str]:
+    """Return `asymmetries_of_bodies` of these files."""
+    both = (("piston", build.piston), ("block", build.block))
+    bodies = {name: load(kind_of(body), files[name]) for name, body in both if body}
+    skirt = _mesh_skirt(files["piston"]) if "piston" in files else None
+    return asymmetries_of_bodies(bodies, skirt, build.grid[0], limit)
 
 
 def _reject(assumed: list[str], reasons: list[str]) -> None:

@@ -99,7 +99,10 @@ def _odd_shape(profiles: Sequence[MeasuredShape], angle: np.ndarray) -> float:
 
 
 def asymmetries_of_bodies(
-    bodies: Mapping[str, ReducedBody], skirt: np.ndarray | None, around: int
+    bodies: Mapping[str, ReducedBody],
+    skirt: np.ndarray | None,
+    around: int,
+    limit: float = ODD_COMPLIANCE,
 ) -> list[str]:
     """Return the reasons why reduced bodies are not their own mirror image.
 
@@ -110,11 +113,13 @@ def asymmetries_of_bodies(
         Cells of the film grid with the skirt under them.
     around : int
         c.
+    limit : float
+        Largest relative asymmetry of a compliance [-].
     """
     found = []
     for name, body in bodies.items():
         error = mirror_error(body, around)
-        if error > ODD_COMPLIANCE:
+        if error > limit:
             found.append(
                 f"build.{name} (mirrored loads deflect it differently, by {100 * error:.2g} %)"
             )

@@ -365,6 +365,10 @@ class Case(Table):
     """Run participants of packages as machine code: true for all, false for none, or a list of
     names. Default: all participants that have a prebuilt library.
     """
+    symmetric: bool | None = None
+    """Compute one half of films that are their own mirror image about the thrust plane: true
+    demands it, false switches it off. Default: films whose case is symmetric.
+    """
     record: Record = Field(default_factory=lambda: Record.model_validate({}))
     """Content of the results file."""
     summary: dict[str, str] = {}

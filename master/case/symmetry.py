@@ -4,7 +4,7 @@ A group is a body and the films that take their film thickness from it. A part f
 within its participant (`build.symmetry`). Wires and arrays that a case sets add further ones.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -30,15 +30,20 @@ class Group(NamedTuple):
         Why the group is not its own mirror image; empty if it is, as far as known.
     unknown : list of str
         Films whose models do not report their symmetry.
+    halves : dict of str to Mapping
+        Film -> parameters with which it computes one half only.
     """
 
     body: str
     claims: list[str]
     reasons: list[str]
     unknown: list[str]
+    halves: dict[str, Mapping[str, str]]
 
 
-def groups(case: Any, folder: Path, declared: Any) -> Iterator[Group]:
+def groups(
+    case: Any, folder: Path, declared: Any, builds: Mapping[str, Any] | None = None
+) -> Iterator[Group]:
     """Yield the groups of a case with the reasons why they are not their own mirror image.
 
     Parameters
@@ -47,27 +52,37 @@ def groups(case: Any, folder: Path, declared: Any) -> Iterator[Group]:
     folder : Path
         Folder of the case.
     declared : ahead.Ahead
+    builds : mapping, optional
+        Build options of all participants, `given.build_options`. Default: their own ones.
     """
+
+    def symmetry(name):
+        table = case.participants[name]
+        build = builds[name] if builds else table.build
+        return _symmetry(table.package, build, declared.parameters.get(name, {}), folder)
+
     sources = {name: interface(case.wires, name, "lubrication") for name in case.participants}
     films = {name: other for name, other in sources.items() if other}
-    for body, table in case.participants.items():
-        own = _symmetry(table, declared.parameters.get(body, {}), folder)
+    for body in case.participants:
+        own = symmetry(body)
         if own is None or body in films:
             continue
         surfaces = {name: other.surface for name, other in films.items() if other.owner == body}
         reasons = [f"participants.{body}.{line}" for line in own.reasons]
-        unknown = []
+        unknown, halves = [], {}
         for name in surfaces:
-            found = _symmetry(case.participants[name], declared.parameters.get(name, {}), folder)
+            found = symmetry(name)
             if found is None:
                 unknown.append(name)
             else:
+                halves |= {name: found.half} if found.half else {}
                 reasons += [f"participants.{name}.{line}" for line in found.reasons]
         reasons += _differing(case, surfaces, own.images)
         for name in (body, *surfaces):
             reasons += _fields_from_outside(case, declared, name, {body, *surfaces})
         claims = [f"participants.{body}.build.{one}" for one in own.claims]
-        yield Group(body, claims, reasons, unknown)
+        claims += ["symmetric"] if case.symmetric else []
+        yield Group(body, claims, reasons, unknown, halves)
 
 
 def symmetry_faults(case: Any, folder: Path, declared: Any) -> list[str]:
@@ -80,11 +95,44 @@ def symmetry_faults(case: Any, folder: Path, declared: Any) -> list[str]:
     ]
 
 
-def _symmetry(table, parameters, folder) -> Symmetry | None:
+def half_films(
+    case: Any, folder: Path, declared: Any, builds: Mapping[str, Any], faults: list[str]
+) -> dict[str, Mapping[str, str]]:
+    """Return the parameters of the films of which one half is computed, by film.
+
+    A group must be its own mirror image to round-off, and a film must not set these parameters.
+
+    Parameters
+    ----------
+    case, folder, declared, builds
+        As for `groups`.
+    faults : list of str
+        A fault is appended if the case demands halves and has none.
+    """
+    if case.symmetric is False:
+        return {}
+    found = {}
+    for group in groups(case, folder, declared, builds):
+        if group.unknown or not (group.halves or group.reasons):
+            continue
+        odd_bodies = part_function(case.participants[group.body].package, "odd_bodies")
+        reasons = group.reasons
+        if odd_bodies and not reasons:
+            reasons = odd_bodies(builds[group.body], folder)
+        if not reasons:
+            found |= group.halves
+        elif case.symmetric:
+            faults.append(rejection("symmetric", reasons))
+    if case.symmetric and not found and not faults:
+        faults.append(rejection("symmetric", ["no film of a known model with such a grid"]))
+    return found
+
+
+def _symmetry(package, build, parameters, folder) -> Symmetry | None:
     """Return what a participant's part finds, None if it does not report it or has a fault."""
-    symmetry = part_function(table.package, "symmetry")
+    symmetry = part_function(package, "symmetry")
     try:
-        return symmetry(table.build, parameters, folder) if symmetry else None
+        return symmetry(build, parameters, folder) if symmetry else None
     except BadInput:  # its faults are in the list of the case
         return None
 

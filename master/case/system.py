@@ -23,6 +23,7 @@ from .given import build_options, masks
 from .inputs import check_fixed, interpolating, slopes, with_one_way
 from .machine_code import native_choice
 from .opening import open_participant
+from .symmetry import half_films
 from .times import record_interval
 from .values import given_values
 from .wires import (
@@ -67,16 +68,17 @@ def open_system(
 
         compile_ahead([case.participants[name].package for name in sorted(native)], progress)
     builds = build_options(case, folder, progress)
-    participants = {}
-    for name in case.participants:
+    participants, given = {}, case.participants
+    for name in given:
         with collecting(faults, f"participants.{name}."):
             how = builds[name], folder, progress, name in native, [*participants.values()]
             participants[name] = finished.get(name) or open_participant(name, case, *how)
     if faults:
         raise BadInput(faults)
+    halves = half_films(case, folder, declared, builds, faults)
     parameters = {
-        name: given_values(participants[name], case.participants[name].parameters, faults)
-        for name in participants
+        name: given_values(one, {**halves.get(name, {}), **given[name].parameters}, faults)
+        for name, one in participants.items()
     }
     check_sources(case.wires, faults)
     check_elements(case.wires, participants, faults)

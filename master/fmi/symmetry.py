@@ -21,11 +21,14 @@ class Symmetry(NamedTuple):
         Keys that assume the symmetry.
     images : mapping of str to str
         Prefix of a film surface -> prefix of its mirror image, if that is another surface.
+    half : mapping of str to str
+        Parameters with which it computes one half only, name -> value; empty if it cannot.
     """
 
     reasons: list[str]
     claims: list[str] = []
     images: Mapping[str, str] = {}
+    half: Mapping[str, str] = {}
 
 
 def thrust_image(n_circumferential: int) -> np.ndarray:
@@ -48,7 +51,8 @@ def odd_part(field: np.ndarray, axis: int = 0) -> np.ndarray:
 
 def rejection(claim: str, reasons: list[str]) -> str:
     """Return the fault of a key that assumes a symmetry which does not exist."""
+    key = "symmetric" if claim == "symmetric" else "symmetric_film"
     return (
         f"{claim}: expected a film symmetric about the thrust plane, got {', '.join(reasons)}; "
-        "set symmetric_film = false"
+        f"set {key} = false"
     )

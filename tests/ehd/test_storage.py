@@ -98,6 +98,14 @@ def test_memory_by_hand(growth, before, expected):
     assert storage.memory(past, CELLS) == pytest.approx(expected, rel=1e-14)
 
 
+def test_memory_of_half_a_film_counts_images():
+    """Three rows of four, of which the middle one counts twice: 4 (0.1 + 2 x 0.02) / 3."""
+    column = np.array([[1.0], [1.0], [0.0]])
+    past = ContentHistory(np.ones((3, 1)), column, np.array([[0.1], [0.02], [5e-1]]), 1.0)
+    half = CELLS._replace(ring=False, mirrored=True)
+    assert storage.memory(past, half) == pytest.approx(4.0 * 0.14 / 3.0, rel=1e-14)
+
+
 @pytest.mark.parametrize("thinner", [18e-6, 10e-6])
 def test_a_film_squeezed_in_one_step_and_held_stays_full(thinner):
     """Oil does not shrink: nothing opens, and the next squeeze presses at once."""

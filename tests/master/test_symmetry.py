@@ -9,7 +9,7 @@ from piston_cosim.master.case.ahead import ahead, faults_ahead
 from piston_cosim.master.case.check import check
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.case.symmetry import groups
+from piston_cosim.master.case.symmetry import groups, half_films
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.fmi.symmetry import odd_part, thrust_image
 
@@ -117,6 +117,40 @@ def test_each_reason_is_found_and_rejects_what_assumes_symmetry(reason, changes)
         one for one in faults_ahead(changed_case(changes), PATH.parent) if "symmetric_film: " in one
     ]
     assert len(faults) == len(group.claims) and all(reason in one for one in faults)
+
+
+def half_films_of(changes):
+    """Return the films of which a case computes one half, and the faults."""
+    case, faults = changed_case(changes), []
+    builds = {name: dict(table.build) for name, table in case.participants.items()}
+    found = half_films(case, PATH.parent, ahead(case, PATH.parent), builds, faults)
+    return found, faults
+
+
+HALF = {"ehd": {"film_symmetry": "thrust_plane"}}
+
+
+@pytest.mark.parametrize("changes", SYMMETRIC.values(), ids=SYMMETRIC)
+def test_half_of_a_symmetric_film_is_computed(changes):
+    assert half_films_of(changes) == (HALF, [])
+    assert half_films_of(changes | {"symmetric": True}) == (HALF, [])
+    assert half_films_of(changes | {"symmetric": False}) == ({}, [])
+
+
+@pytest.mark.parametrize("reason, changes", ASYMMETRIC.items(), ids=ASYMMETRIC)
+def test_an_asymmetric_film_is_computed_whole_unless_its_half_is_demanded(reason, changes):
+    assert half_films_of(changes) == ({}, [])
+    _, (fault,) = half_films_of(changes | {"symmetric": True})
+    assert fault.startswith("symmetric: ") and reason in fault
+    assert fault.endswith("set symmetric = false")
+    assert fault in faults_ahead(changed_case(changes | {"symmetric": True}), PATH.parent)
+
+
+def test_a_film_with_an_odd_number_of_cells_around_is_computed_whole():
+    changes = RIGID | {f"{BUILD}.grid": [39, 40], f"{FILM}.build.grid": [39, 40]}
+    assert half_films_of(changes) == ({}, [])
+    _, (fault,) = half_films_of(changes | {"symmetric": True})
+    assert fault.startswith("symmetric: ")
 
 
 @pytest.mark.parametrize("body", ["piston", "block"])

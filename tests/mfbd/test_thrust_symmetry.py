@@ -13,7 +13,12 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.preview import preview
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
-from piston_cosim.fmu_mfbd.thrust_symmetry import asymmetries_of_bodies, mirror_error, only_even
+from piston_cosim.fmu_mfbd.thrust_symmetry import (
+    ODD_MODE,
+    asymmetries_of_bodies,
+    mirror_error,
+    only_even,
+)
 from piston_cosim.master.fmi.errors import BadInput
 
 from .conftest import quiet
@@ -37,6 +42,9 @@ def test_the_compliance_is_compared_with_its_image():
     assert mirror_error(body(even + odd), 8) == pytest.approx(np.sqrt(2))
     assert only_even(body(even, np.cos(2 * THETA)), 8)
     assert not only_even(body(even, odd), 8)
+    nearly = {"piston": body(even + 1e-4 * odd)}
+    assert asymmetries_of_bodies(nearly, None, 8) == []
+    assert len(asymmetries_of_bodies(nearly, None, 8, ODD_MODE)) == 1
     rigid = SimpleNamespace(omega=np.zeros(0), radial=np.zeros((16, 0)))
     assert mirror_error(rigid, 8) == 0.0 and not only_even(rigid, 8)
     skirt = np.ones((8, 2), dtype=bool)
