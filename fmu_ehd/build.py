@@ -155,8 +155,10 @@ def symmetry(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: 
                 reasons.append(f"parameters.{lower} (differs from {upper})")
             elif {lower, upper} & {*built.inputs}:
                 reasons.append(f"build.inputs ({lower} may differ from {upper})")
-    mirrors = has_image(built.grid, built.open_cells, built.surface)
-    return Symmetry(reasons, half={"film_symmetry": "thrust_plane"} if mirrors else {})
+    half = {}
+    if has_image(built.grid, built.open_cells, built.surface):
+        half = {"film_symmetry": ("automatic", "thrust_plane")}
+    return Symmetry(reasons, half=half)
 
 
 def library_oil(name: str | None, faults: list[str]) -> dict[str, float | str]:

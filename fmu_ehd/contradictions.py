@@ -32,12 +32,12 @@ from .oil import VISCOSITY_LAWS
 
 OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
 OPENING_SUPPLIES = ("lower_edge", "own")
-FILM_SYMMETRIES = ("none", "thrust_plane")
+FILM_SYMMETRIES = ("none", "thrust_plane", "automatic")
 FULL_TURN = 2.0 * np.pi
 FROM_EDGES = 1 + OIL_SUPPLIES.index("edges")
 FROM_BORE_AND_RING = 1 + OIL_SUPPLIES.index("bore_and_ring")
 OWN_SUPPLY = 1 + OPENING_SUPPLIES.index("own")
-THRUST_PLANE = 1 + FILM_SYMMETRIES.index("thrust_plane")
+WHOLE, THRUST_PLANE, AUTOMATIC = range(1, 1 + len(FILM_SYMMETRIES))
 PATIR_CHENG_1978 = 1 + FLOW_FACTORS.index("patir_cheng_1978")
 """Numbers of choices as in `parameters.Chosen`."""
 MODELS = tuple(CAVITATION.values())

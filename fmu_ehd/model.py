@@ -7,9 +7,9 @@ import numpy as np
 from ..master.fmi.noted import none_yet, remark_of
 from . import constants, step, step_tangent
 from .balance.grid import Array, Entrainment
-from .contradictions import THRUST_PLANE, is_fed
+from .contradictions import is_fed
 from .faults import FAULT, FAULTS, raise_noted
-from .parameters import Parameters, chosen_of, is_of, numbers_of
+from .parameters import Parameters, chosen_of, has_image, is_of, numbers_of
 from .solvers.sparse import linear_solver
 from .state import Fields, Inputs, LastStep, Memory, Scalars
 from .step_tangent import Directions, Linearisation
@@ -27,23 +27,26 @@ class LubricationModel:
     """
 
     def __init__(self, parameters: Parameters):
-        p = self.parameters = parameters
+        self.parameters = parameters
+        self._bearing = parameters.surface == "bearing"
+        self.remark = ""  # warning of the last start or step, empty without one
+        # of the last step: what the tangent needs
+        self._last: LastStep | None = None
+        self._linear: Linearisation | None = None
+        self._set_grid(parameters.film_symmetry == "thrust_plane")
+
+    def _set_grid(self, mirrored: bool) -> None:
+        """Compute the whole film, or one half."""
+        p = self.parameters
         x, chosen = numbers_of(p), chosen_of(p)
         open_cells = np.zeros(p.shape, dtype=bool) if p.open_cells is None else p.open_cells
-        self._bearing = p.surface == "bearing"
-        self._tables = constants.tables_of(
-            open_cells, self._bearing, chosen.film_symmetry == THRUST_PLANE
-        )
+        self._tables = constants.tables_of(open_cells, self._bearing, mirrored)
         constants.fill(x, chosen, self._tables)
         self.fixed = constants.fixed_of(x, chosen, self._tables, True)
         self._cells = self._tables.open_cells
         self.solver = linear_solver(self._cells.shape)
         self.area = self.fixed.surfaces.area
-        self.remark = ""  # warning of the last start or step, empty without one
         self._given = surroundings(p, {}, constants.images_of(self._tables))
-        # of the last step: what the tangent needs
-        self._last: LastStep | None = None
-        self._linear: Linearisation | None = None
 
     # ---- steps
 
@@ -75,9 +78,16 @@ class LubricationModel:
             As from `advance`.
         """
         motion = film_thickness, sliding_velocity, circumferential_velocity
+        p = self.parameters
         faults = none_yet()
+        if p.film_symmetry == "automatic":
+            self._set_grid(has_image(p.shape, p.open_cells, p.surface))
+            self._inputs(motion, 0.0, conditions, faults)
+            if faults[0]:
+                self._set_grid(False)
+                faults = none_yet()
         inputs = self._inputs(motion, 0.0, conditions, faults)
-        filled = self.parameters.initial_film_fraction
+        filled = p.initial_film_fraction
         memory, fields, scalars = step.start(self.fixed, inputs, filled, faults)
         self._raise(faults)
         self.remark = remark_of(faults, FAULTS)

@@ -28,7 +28,7 @@ from ..master.fmi.slave import PRODUCT, SEED
 from . import constants, contradictions, step, step_tangent
 from .balance.grid import Array, keep
 from .balance.oil_layer import NO_EDGE
-from .contradictions import FROM_EDGES, FULL_TURN, THRUST_PLANE
+from .contradictions import AUTOMATIC, FROM_EDGES, FULL_TURN, THRUST_PLANE, WHOLE
 from .faults import FAULT, FAULTS, count_rows_from, refuse
 from .options import BuildOptions
 from .parameters import CHOICES, CHOSEN, NUMBERS, TUNABLE, Chosen, Numbers, has_image
@@ -284,6 +284,17 @@ def inputs_of(real: Array, setup: FilmSetup, has_openings: bool, length: float, 
 
 
 @compiled
+def _has_even_inputs(real, setup):
+    """Return whether the film can be computed by halves, with the inputs at its start."""
+    if not constants.is_mirrored(setup.half):
+        return False
+    setup.chosen[FILM_SYMMETRY] = THRUST_PLANE
+    noted = np.zeros(ROOM)
+    inputs_of(real, setup, False, 0.0, noted)
+    return noted[0] == 0.0
+
+
+@compiled
 def take_numbers(real: Array, integer: Array, setup: FilmSetup, length: float, faults: Array):
     """Take parameters from the variables, and note what contradicts.
 
@@ -304,6 +315,9 @@ def take_numbers(real: Array, integer: Array, setup: FilmSetup, length: float, f
         place = int(places.chosen[k])
         chosen = float(integer[place]) if place >= 0 else 1.0
         setup.chosen[k] = min(max(chosen, 1.0), COUNTS[k])
+    if setup.chosen[FILM_SYMMETRY] == AUTOMATIC:
+        is_even = _has_even_inputs(real, setup)
+        setup.chosen[FILM_SYMMETRY] = THRUST_PLANE if is_even else WHOLE
     x, chosen = numbers_from(setup.numbers), chosen_from(setup.chosen)
     if is_start:
         tables = tables_in(setup)

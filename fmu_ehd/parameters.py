@@ -59,8 +59,8 @@ class Parameters:
     contact_law: str = choice("Asperity contact law", CONTACT_LAWS)
 
     film_symmetry: str = choice(
-        "Symmetry of the film that reduces the computation to one half: thrust_plane if film "
-        "thickness and velocity are their own mirror image about that plane",
+        "Compute one half: thrust_plane for inputs that are symmetric about that plane; automatic "
+        "if the inputs at the start are so",
         FILM_SYMMETRIES,
     )
 

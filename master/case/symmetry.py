@@ -31,14 +31,14 @@ class Group(NamedTuple):
     unknown : list of str
         Films whose models do not report their symmetry.
     halves : dict of str to Mapping
-        Film -> parameters with which it computes one half only.
+        Film -> parameters with which it computes one half only, `Symmetry.half`.
     """
 
     body: str
     claims: list[str]
     reasons: list[str]
     unknown: list[str]
-    halves: dict[str, Mapping[str, str]]
+    halves: dict[str, Mapping[str, tuple[str, str]]]
 
 
 def groups(
@@ -97,8 +97,8 @@ def symmetry_faults(case: Any, folder: Path, declared: Any) -> list[str]:
 
 def half_films(
     case: Any, folder: Path, declared: Any, builds: Mapping[str, Any], faults: list[str]
-) -> dict[str, Mapping[str, str]]:
-    """Return the parameters of the films of which one half is computed, by film.
+) -> dict[str, dict[str, str]]:
+    """Return the parameters of the films of which one half may be computed, by film.
 
     A group must be its own mirror image to round-off, and a film must not set these parameters.
 
@@ -120,7 +120,10 @@ def half_films(
         if odd_bodies and not reasons:
             reasons = odd_bodies(builds[group.body], folder)
         if not reasons:
-            found |= group.halves
+            found |= {
+                film: {name: values[bool(case.symmetric)] for name, values in half.items()}
+                for film, half in group.halves.items()
+            }
         elif case.symmetric:
             faults.append(rejection("symmetric", reasons))
     if case.symmetric and not found and not faults:

@@ -125,6 +125,21 @@ def test_half_a_film_discards_a_step_with_inputs_that_are_not_symmetric(name, si
     assert film.state is before
 
 
+@pytest.mark.parametrize("odd", [0.0, 1e-5])
+def test_automatic_symmetry_follows_the_inputs_at_the_start(odd):
+    """A film that starts with an odd part is computed whole."""
+    film = pc.Film(SHAPE, film_symmetry="automatic")
+    thickness = np.full(SHAPE, 1e-5)
+    thickness[1] *= 1.0 + odd
+    for _ in range(2):
+        film.start(thickness, sliding_velocity=5.0)
+        assert film.state is not None
+        assert len(film.state.film.content) == (12 if odd else 7)
+        film.start(1e-5, sliding_velocity=5.0)
+        assert film.state is not None
+        assert len(film.state.film.content) == 7
+
+
 def test_faults_of_half_a_film_name_cells_of_the_whole_one():
     film = pc.Film(SHAPE, roughness_rms=1e-6, **HALF)
     film.start(1e-5, sliding_velocity=1.0)
