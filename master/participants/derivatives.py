@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault
+from ..fmi.symmetry import odd_part
 from .participant import Participant, Wrapper
 
 Fields = dict[str, np.ndarray]
@@ -247,10 +248,14 @@ def _agrees_at(
 
 
 def _pattern(participant: Participant, name: str) -> np.ndarray:
-    """Return a change of a field: of one sign, so that effects add up, and uneven."""
+    """Return a change of a field: of one sign, so that effects add up, and uneven.
+
+    It is its own mirror image about the thrust plane, because half of a film needs that.
+    """
     shape = participant.fields[name].shape
     size = int(np.prod(shape))
-    return np.linspace(1.0, 0.5, size).reshape(shape)
+    pattern = np.linspace(1.0, 0.5, size).reshape(shape)
+    return pattern - odd_part(pattern) if pattern.ndim == 2 else pattern
 
 
 def _agrees_at_any_size(

@@ -5,14 +5,19 @@ import numpy as np
 
 from .runs import EXAMPLE, run_tree, small_tree
 
+ROUND_OFF = ("_error", "mass_imbalance")
+"""Ends of the names of outputs that consist of round-off."""
+
 
 def curves(path):
     """Return the recorded numbers and fields over the steps by name."""
-    found = {}
     with h5py.File(path) as file:
-        for owner in ("ehd", "bodies"):
-            found |= {f"{owner}.{name}": one[:] for name, one in file[owner].items()}
-    return found
+        return {
+            f"{owner}.{name}": one[:]
+            for owner in ("ehd", "bodies")
+            for name, one in file[owner].items()
+            if not name.endswith(ROUND_OFF)
+        }
 
 
 def test_a_run_with_half_of_the_film_has_the_curves_of_the_whole_one(tmp_path):
@@ -24,6 +29,5 @@ def test_a_run_with_half_of_the_film_has_the_curves_of_the_whole_one(tmp_path):
         found.append(curves(tmp_path / "o.h5"))
     half, whole = found
     assert half.keys() == whole.keys()
-    for name in whole.keys() - {"ehd.mass_imbalance"}:
-        a, b = whole[name], half[name]
-        assert np.abs(a - b).max() <= 1e-9 * max(np.ptp(a), np.abs(a).max()), name
+    off = {name: np.abs(half[name] - curve).max() for name, curve in whole.items()}
+    assert {n: d for n, d in off.items() if d > 1e-9 * np.abs(whole[n]).max()} == {}
