@@ -195,6 +195,7 @@ def test_array_connectors_have_dimensions(arrays):
         "Float64",
         "Int32",
         "String",
+        "Enumeration",
     }
 
 

@@ -6,10 +6,12 @@ from cyclopts import Parameter
 
 from ...api.cases import open_case
 from ...api.fmus import compile_code
+from ...case.ahead import ahead
 from ...case.checked import check_case
 from ...case.export import experiment_ahead, export_fmu
 from ...case.given import build_options
 from ...case.ssp import export_ssp
+from ...case.symmetry import half_films
 from ...case.system import open_system
 from ...fmi.builder import build_fmu
 from ...fmi.errors import BadInput
@@ -94,15 +96,15 @@ def built(case, folder, fmi):
         raise BadInput(others)
     usual = experiment_ahead(case, folder)
     options = build_options(case, folder, say)
+    halves = half_films(case, folder, ahead(case, folder), options, [])
     fmus = {
         name: build_fmu(table.package, options[name], folder, say, fmi, experiment=usual)
         for name, table in case.participants.items()
         if table.package
     }
-    tables = {
-        name: table.model_copy(update={"package": None, "build": {}, "fmu": str(fmus[name])})
-        if name in fmus
-        else table
-        for name, table in case.participants.items()
-    }
-    return case.model_copy(update={"participants": tables})
+    tables = dict(case.participants)
+    for name, fmu in fmus.items():
+        given = {**halves.get(name, {}), **tables[name].parameters}
+        changes = {"package": None, "build": {}, "fmu": str(fmu), "parameters": given}
+        tables[name] = tables[name].model_copy(update=changes)
+    return case.model_copy(update={"participants": tables, "symmetric": None})
