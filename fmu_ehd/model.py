@@ -239,7 +239,7 @@ class LubricationModel:
     def _surroundings(self, conditions: dict[str, Any], faults: Array) -> Surroundings:
         """Return the surroundings, without temperatures in cells that have no film."""
         field = conditions.get("oil_temperature")
-        if np.ndim(field):
+        if field is not None and np.ndim(field):
             on_grid = self._input(field, FAULT.odd_oil_temperature, faults)
             conditions = conditions | dict(oil_temperature=on_grid)
         return surroundings(self.parameters, conditions, constants.images_of(self._tables))
