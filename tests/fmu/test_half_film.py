@@ -1,5 +1,7 @@
 """A case whose film is its own mirror image computes one half of it, with the same results."""
 
+from typing import Any
+
 import h5py
 import numpy as np
 
@@ -12,10 +14,11 @@ ROUND_OFF = ("_error", "mass_imbalance")
 def curves(path):
     """Return the recorded numbers and fields over the steps by name."""
     with h5py.File(path) as file:
+        groups: Any = file
         return {
             f"{owner}.{name}": one[:]
             for owner in ("ehd", "bodies")
-            for name, one in file[owner].items()
+            for name, one in groups[owner].items()
             if not name.endswith(ROUND_OFF)
         }
 
