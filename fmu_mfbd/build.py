@@ -184,7 +184,7 @@ def odd_bodies(options: dict[str, Any], folder: Path) -> list[str]:
     Bodies that are not in the cache are reduced. The arguments are those of `prepare`.
     """
     build = read_options(options, folder)
-    return _asymmetries(build, _bodies(build, lambda text: None), ODD_MODE)
+    return _asymmetries(build, _reduced(build, lambda text: None), ODD_MODE)
 
 
 def prepare(
@@ -371,15 +371,23 @@ def reduced_bodies(
 
 
 def _bodies(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[str, Path]:
+    """Return `_reduced`; reject assumptions of a symmetric film with bodies that have none."""
+    assumed = claims(build)
+    if assumed:
+        tables = read_tables(build)
+        _reject(assumed, asymmetries(build, tables.skirt, tables.bore))
+    files = _reduced(build, progress, shapes)
+    if assumed:
+        _reject(assumed, _asymmetries(build, files, ODD_COMPLIANCE))
+    return files
+
+
+def _reduced(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[str, Path]:
     """Return the .npz of each body, by name, an eye that yields among them.
 
     The bodies are reduced side by side, in threads: SuperLU releases Python's lock. PARDISO uses
-    all cores for one body. All faults are raised in one message, among them options that assume a
-    symmetric film with bodies that are not their own mirror image.
+    all cores for one body. All faults are raised in one message.
     """
-    if assumed := claims(build):
-        tables = read_tables(build)
-        _reject(assumed, asymmetries(build, tables.skirt, tables.bore))
     waiting: dict[str, Future[Path]] = {}
     with ThreadPoolExecutor(1 if find_spec("pypardiso") else None) as threads:
 
@@ -399,10 +407,7 @@ def _bodies(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[
                 film = ShellFilm(one.grid, one.length, one.shell.modes)
                 kind = ShellKind(name.replace("_", " "), length=f"{name}.length", upright=True)
                 waiting[name] = submit(one.shell, film, kind, progress, f"{name}.shell")
-    files = dict(zip(waiting, for_all(Future.result, waiting.values()), strict=True))
-    if assumed:
-        _reject(assumed, _asymmetries(build, files, ODD_COMPLIANCE))
-    return files
+    return dict(zip(waiting, for_all(Future.result, waiting.values()), strict=True))
 
 
 def _asymmetries(build: Build | Bodies, files: dict[str, Path], limit: float) -> list[str]:
