@@ -152,14 +152,13 @@ def fill(x: Any, chosen: Any, tables: Tables) -> None:
 
 
 @compiled
-def _even_part(tables: Tables, fields: Array):
-    """Even part of fields of a film, (m, n_f, n_a), Eq. (I14), on its grid."""
-    n_c, n_a = tables.open_cells.shape
-    m, n_f, _ = fields.shape
+def _even_part(rows: Array, n_c: int, fields: Array):
+    """Even part of fields of a film, (m, n_f, n_a), Eq. (I14), on its grid of n_c rows."""
+    m, n_f, n_a = fields.shape
     even = np.zeros((m, n_c, n_a))
     for q in range(m):
         for k in range(n_f):
-            i = int(tables.rows[k])
+            i = int(rows[k])
             for j in range(n_a):
                 even[q, i, j] += fields[q, k, j] / images(True, i, n_c)  # Eq. (I14)
     return even
@@ -172,45 +171,53 @@ def on_grid(tables: Tables, has_openings: bool, fields: Array) -> Array:
     Those on a mirrored grid are the even part. Cut-outs show the nearest cell with a film.
     """
     if is_mirrored(tables):
-        fields = _even_part(tables, fields)
+        fields = _even_part(tables.rows, len(tables.open_cells), fields)
     return openings.filled(tables.beside, fields) if has_openings else fields
 
 
-@compiled
-def check_even(tables: Tables, field: Array, even: Array, fault: float, faults: Array):
+@compilable
+def check_even(tables: Tables, field: Array, even: Array, fault: float, faults: Array) -> None:
     """Note a fault at the first cell where an input is not that of its mirror image.
 
     Parameters
     ----------
+    tables : Tables
     field, even : ndarray, shape (n_f, n_a), (n_c, n_a)
         Input, and the same `on_grid`.
     fault : float
         Number of its sentence.
+    faults : ndarray
     """
+    _compare(tables.rows, tables.open_cells, field, even, fault, faults)
+
+
+@compiled
+def _compare(rows, open_cells, field, even, fault, faults):
+    """Note a fault as `check_even`."""
     n_f, n_a = field.shape
     largest = 0.0
     for i in range(even.shape[0]):
         for j in range(n_a):
             largest = max(largest, abs(even[i, j]))
     for k in range(n_f):
-        i = int(tables.rows[k])
+        i = int(rows[k])
         for j in range(n_a):
             odd = field[k, j] - even[i, j]
-            if abs(odd) > LARGEST_ODD_PART * largest and not tables.open_cells[i, j]:
+            if abs(odd) > LARGEST_ODD_PART * largest and not open_cells[i, j]:
                 row = k - n_f // 4  # as all noted rows, from the first one of the grid
                 refuse(faults, fault, row, j, field[k, j], even[i, j] - odd, 0.0)
                 return
 
 
 @compiled
-def _unfolded(tables: Tables, fields: Array, is_shared: bool):
+def _unfolded(rows: Array, fields: Array, is_shared: bool):
     """Fields on a mirrored grid, (m, n_c, n_a), on the whole film."""
     m, n_c, n_a = fields.shape
-    n_f = len(tables.rows)
+    n_f = len(rows)
     whole = np.empty((m, n_f, n_a))
     for q in range(m):
         for k in range(n_f):
-            i = int(tables.rows[k])
+            i = int(rows[k])
             share = images(is_shared, i, n_c)
             for j in range(n_a):
                 whole[q, k, j] = fields[q, i, j] / share
@@ -223,7 +230,7 @@ def on_film(tables: Tables, fields: Array, is_shared: bool) -> Array:
 
     is_shared : whether a value on the grid is the sum over all images, as of forces.
     """
-    return _unfolded(tables, fields, is_shared) if is_mirrored(tables) else fields
+    return _unfolded(tables.rows, fields, is_shared) if is_mirrored(tables) else fields
 
 
 @compilable
