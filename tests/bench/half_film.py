@@ -16,12 +16,12 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from native import DEGREE, FORCES, GAP, started, step
+from native import FORCES, GAP, started, step
 from timing import shortest
 
 from piston_cosim.master.fmi.builder import build_fmu
 from piston_cosim.master.fmi.builder_native import build_native_fmu
-from piston_cosim.tests.verification.cases.motored import motored_film
+from piston_cosim.tests.verification.cases.motored import DEGREE, motored_film
 
 STEPS, PASSES = 60, 4
 ROUND_OFF = 1e-9  # of the largest force
