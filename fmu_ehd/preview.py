@@ -1,11 +1,13 @@
 """Preview of a lubrication FMU from its build options and parameters."""
 
 from collections.abc import Mapping
+from math import inf
 from pathlib import Path
 from typing import Any
 
 from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Preview
+from ..master.fmi.quantities import short
 from .build import prepare
 from .oil import Oil
 from .options import BuildOptions
@@ -54,11 +56,19 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
     if not film.roughness_rms:
         remarks.append("roughness_rms = 0 \N{MICRO SIGN}m: smooth surfaces, which never touch")
     found = faults(film) if taken == parameters else []
-    return Preview(
-        figures, found, _without_effect(parameters, film.oil, options.get("oil")), remarks
-    )
+    warnings = _without_effect(parameters, film.oil, options.get("oil"))
+    warnings += [
+        f"{one.name} = {short(one.value, one.unit)}: expected {short(low, one.unit)} to "
+        f"{short(high, one.unit)} in engines; check its unit"
+        for one in figures
+        for low, high in [USUAL.get(one.name, (-inf, inf))]
+        if not low <= one.value <= high
+    ]
+    return Preview(figures, found, warnings, remarks)
 
 
+USUAL = {"roughness_rms": (0.0, 10e-6), "viscosity": (0.5e-3, 2.0)}
+"""Usual values by figure [m], [Pa.s]. The limits are our choice, far from those of engines."""
 LAWS = {
     "viscosity": "constant",
     "vogel_viscosity": "vogel_1921",

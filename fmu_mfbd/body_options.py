@@ -11,7 +11,7 @@ from pydantic import (
     model_validator,
 )
 
-from ..master.fmi.option_classes import with_meanings
+from ..master.fmi.option_classes import Flag, with_meanings
 from ..master.fmi.quantities import in_unit, to_si
 from .finite_elements.regions import Bore, Cylinder, Plane, Region
 
@@ -252,7 +252,7 @@ class Body(PlacedMesh):
     "1 %". 0: rigid. `reduce` prints the larger error under a narrow patch at an edge. An error
     requires smooth_pressure_modes or trained. It excludes the modes of `trained` and `boss_modes`.
     """
-    symmetric_film: bool = False
+    symmetric_film: Flag = False
     """Whether the modes assume that the film is its own mirror image about the thrust plane. About
     half as many smooth pressure modes are then as accurate. A case whose film is not symmetric is
     rejected.
@@ -432,8 +432,10 @@ def either(first: str, second: str) -> Any:
     """Return a validator of an option class that needs exactly one of two keys."""
 
     def validate(table: Any) -> Any:
-        if (getattr(table, first) is None) == (getattr(table, second) is None):
-            raise ValueError(f"expected either {first} or {second}, got both or neither")
+        has_both = getattr(table, first) is not None
+        if has_both == (getattr(table, second) is not None):
+            got = "both" if has_both else "neither"
+            raise ValueError(f"expected either {first} or {second}, got {got}")
         return table
 
     return model_validator(mode="after")(validate)

@@ -13,7 +13,7 @@ from pydantic import (
 )
 
 from ..master.fmi.errors import BadInput
-from ..master.fmi.option_classes import validated, with_meanings
+from ..master.fmi.option_classes import Flag, validated, with_meanings
 from .body_options import (
     FILE,
     MOST_MODES,
@@ -300,7 +300,7 @@ class Common(BuildTable):
     """
     motion_in_space: MotionInSpace | None = None
     """Motion of the piston along its tied pin, with roll and yaw. Both bodies are rigid."""
-    mounted: bool = False
+    mounted: Flag = False
     """The block moves on mounts. Another participant provides block_acceleration_x and other
     inputs, and receives force_on_block_x and other outputs.
     """
@@ -524,7 +524,7 @@ def resolve(table: BaseModel, folder: Path, where: str = "") -> list[str]:
     faults = []
     for key, field in type(table).model_fields.items():
         given = getattr(table, key)
-        if FILE in field.metadata and given:
+        if FILE in field.metadata and given is not None:
             path = (folder / given).resolve()
             setattr(table, key, str(path))
             if not path.is_file():

@@ -13,7 +13,7 @@ from .dynamics.tables import GasTable
 from .finite_elements.mesh import Mesh
 from .options import Build
 from .preview_picture import Shapes
-from .profile_judgement import judge_profile
+from .profile_judgement import DROP, OVAL, judge_profile
 
 MISFIT = 0.3e-3
 """Difference of skirt and bore radius from the clearance [m] above which it is worth a remark: a
@@ -27,6 +27,9 @@ ABSOLUTE = 0.7e5, 1.5e5
 EXHAUST = {720: (225.0, 345.0), 360: (150.0, 210.0)}
 """Crank angles after firing top dead centre with an open exhaust, by the length of the cycle
 [deg]."""
+WIDEST_ROWS = 30.0
+"""Crank angle between rows of a gas table above which a straight line is no gas, our choice [deg].
+"""
 FIRING = 60.0
 """Crank angle next to firing top dead centre that contains the highest gas pressure [deg]."""
 ELASTIC = 1e-3
@@ -101,6 +104,10 @@ def messages_on_fit(
             "are added to the measured profile; set them to 0 if it holds them"
         )
         out.append(Message("remark", text))
+    for name, share in (("barrel", DROP), ("ovality", OVAL)):
+        if (value := getattr(chosen, name)) > (most := share * 2 * piston.body.radius):
+            text = f"{name} = {_um(value)}: expected at most {_um(most)} in engines; check its unit"
+            out.append(Message("warning", text))
     if not build.piston.profiles and not chosen.barrel:
         text = f"barrel = {_um(0.0)}: a straight skirt carries on its edges"
         out.append(Message("warning", text))
@@ -144,6 +151,13 @@ def messages_on_gas(table: GasTable) -> list[Message]:
         out.append(
             Message("warning", f"{told} at {peak:.4g} deg: expected near 0 deg, where it fires")
         )
+    gaps = np.degrees(np.diff(table.angle))
+    if gaps.max() > WIDEST_ROWS:
+        text = (
+            f"gas pressure: expected rows at most {WIDEST_ROWS:g} deg apart, got {gaps.max():.4g} "
+            f"deg after {np.degrees(table.angle[gaps.argmax()]):.4g} deg"
+        )
+        out.append(Message("warning", text))
     angles = np.radians(np.arange(*EXHAUST[cycle]))
     mean = float(np.interp(angles, table.angle, table.pressure, period=table.cycle).mean())
     if ABSOLUTE[0] < mean < ABSOLUTE[1]:

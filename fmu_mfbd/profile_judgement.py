@@ -17,7 +17,7 @@ COVERED, WHOLE = 0.5, 0.99
 LARGE, LARGEST = 1e-3, 5e-3
 """Deviations that are unusual, and that no skirt has [m]."""
 CLEAR = 2e-6
-"""Barrel and ovality [m] below which their sign says nothing."""
+"""Barrel, ovality and range of values [m] below which they are no form of a skirt."""
 TURNED = np.radians(20.0)
 """Angle of the ovality from the pin axis, above which a table seems turned [rad]."""
 OVAL, DROP = 3.9e-3, 0.79e-3
@@ -136,6 +136,10 @@ def judge_profile(
     if largest > LARGE:
         text = f"expected deviations below {_um(LARGE)}, got {_um(largest)}; check value_unit"
         found.append(Message("warning", text))
+    if radius is not None and 0 < (step := float(np.ptp(shape.value))) < CLEAR:
+        text = f"expected values that differ by more than {_um(CLEAR)}, got {_um(step)}"
+        hint = "check value_unit, or subtract the nominal radius from radii"
+        found.append(Message("warning", f"{text}; {hint}"))
     if radius is not None:
         form = form_of(shape, max(low, lower), min(high, upper))
         found += _of_form(shape, form, 2 * radius)

@@ -62,7 +62,7 @@ def read_numbers(path: Path | str, corner: bool = False) -> Rows:
     ----------
     path : Path
     corner : bool
-        The very first cell names rows or columns and is not read.
+        The first row of numbers has a first cell that names rows or columns and is not read.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def read_numbers(path: Path | str, corner: bool = False) -> Rows:
     Raises
     ------
     TableFault
-        At the first later row that is not all numbers.
+        At the first row that is not all numbers, but begins with one or follows a row of numbers.
     """
     try:
         lines = read_rows(path)
@@ -79,12 +79,13 @@ def read_numbers(path: Path | str, corner: bool = False) -> Rows:
         raise TableFault(file_fault(path, error)) from None
     rows = Rows(str(path), [], [])
     for number, line in lines:
-        if corner and number == lines[0][0]:
+        if corner and not rows.values:
             line = line[1:]
         cells = [cell.strip() for cell in line if cell.strip()]
         values = _finite_numbers(cells)
-        if values is None and rows.values:
-            raise TableFault(f"{path}, line {number}: expected numbers, got {','.join(cells)!r}")
+        if values is None and (rows.values or _finite_numbers(cells[:1])):
+            wrong = next(cell for cell in cells if _finite_numbers([cell]) is None)
+            raise TableFault(f"{path}, line {number}: expected numbers, got {wrong!r}")
         if values:
             rows.row_names.append(f"{path}, line {number}")
             rows.values.append(values)
@@ -166,8 +167,9 @@ def closed(
         Where angles do not span the cycle, or the ends differ by more than 1 % of the range.
     """
     span = angle[-1] - angle[0]
-    widest_step = np.diff(angle).max(initial=0.0)
-    if not cycle - 1.5 * widest_step <= span <= cycle * (1 + 1e-9):
+    # two rows do not show the step that the end lacks
+    widest_step = np.diff(angle).max(initial=0.0) if len(angle) > 2 else 0.0
+    if not cycle * (1 - 1e-9) - 1.5 * widest_step <= span <= cycle * (1 + 1e-9):
         raise TableFault(
             f"{rows.name}: expected a cycle of {np.degrees(cycle):g} deg, "
             f"got {np.degrees(span):g} deg; check angle_unit and strokes"
@@ -255,25 +257,34 @@ def profile_table(
     head, *body = rows.values
     for row_name, values in zip(rows.row_names[1:], body):
         if len(values) != len(head) + 1:
-            raise TableFault(f"{row_name}: expected {len(head) + 1} numbers, got {len(values)}")
+            raise TableFault(
+                f"{row_name}: expected {len(head) + 1} numbers, a height and {len(head)} values, "
+                f"got {len(values)}; the first cell of the angles is not read"
+            )
     if not body:
         raise TableFault(
             f"{path}: expected a row of angles and rows of a height and values, got one row"
         )
+    if len(body) > 1 and body[0][0] > body[-1][0]:  # from the top to the bottom
+        rows.row_names[1:], body = rows.row_names[:0:-1], body[::-1]
+    for name, places, line in (
+        ("an angle", [rows.row_names[0]] * len(head), head),
+        ("a height", rows.row_names[1:], [values[0] for values in body]),
+    ):
+        for place, before, after in zip(places[1:], line, line[1:]):
+            if after <= before:
+                raise TableFault(f"{place}: expected {name} above {before:g}, got {after:g}")
     angle = np.array(head) * angle_unit
     height = np.array([values[0] for values in body]) * height_unit
-    for name, line in (("angles", angle), ("heights", height)):
-        if np.any(np.diff(line) <= 0):
-            raise TableFault(f"{path}: expected rising {name}, got others")
     if np.ptp(angle) >= 2 * np.pi * (1 - 1e-12):
         raise TableFault(
-            f"{path}: expected angles below a full revolution, got one or more; "
-            "remove the repeated angle"
+            f"{path}: expected angles below a full revolution, got {np.degrees(np.ptp(angle)):.6g} "
+            "deg; remove a repeated angle, or check angle_unit"
         )
     gaps = np.diff(angle, append=angle[0] + 2 * np.pi)
     if gaps.max() > WIDEST_GAP * np.median(gaps):
         raise TableFault(
             f"{path}: expected gaps near {np.degrees(np.median(gaps)):g} deg between angles, got "
-            f"{np.degrees(gaps.max()):g} deg; a table covers a full revolution, also of diameters"
+            f"{np.degrees(gaps.max()):g} deg; a table covers a full revolution; check angle_unit"
         )
     return MeasuredShape(angle, height, np.array([values[1:] for values in body]) * value_unit)

@@ -12,6 +12,7 @@ from pydantic import (
 from ..coupling.methods import METHODS
 from ..fmi.errors import unknown
 from ..fmi.fields import base_of
+from ..fmi.option_classes import Flag
 from ..fmi.quantities import from_si, is_angle, to_si
 from ..participants.plugins import names
 from .shown import NEUTRAL, Axes, Axis, Picture
@@ -89,11 +90,11 @@ class ParticipantTable(Table):
     """Longest communication step of this FMU. Each macro step is divided into equal steps no longer
     than this. Default: one step per macro step.
     """
-    event_mode: bool = True
+    event_mode: Flag = True
     """Use Event Mode and the clocks that an FMI 3.0 FMU declares. Set false for an FMU that rejects
     them.
     """
-    rollback: bool | None = None
+    rollback: Flag | None = None
     """Use the saved states of this FMU in iterations. Default: if a restored step reproduces the
     outputs to 1 %.
     """
@@ -112,7 +113,7 @@ class ParticipantTable(Table):
     surfaces. Adds the four wires of the interface contract. An own wire to the same input replaces
     single keys.
     """
-    isolated: bool = False
+    isolated: Flag = False
     """Run the FMU in a separate process. A process that can hold only one instance of an FMU never
     gets a second one.
     """
@@ -189,14 +190,14 @@ class WireTable(Table):
 class Advanced(Table):
     """Numerical settings of the coupling that few cases need."""
 
-    probing: bool = False
+    probing: Flag = False
     """Use Newton with finite differences in a macro step without secants, or if the secants fail.
     """
     windows: int = Field(3, ge=0)
     """Number of macro steps whose secants iqn_ils and iqn_imvj use."""
     filter_limit: float = Field(1e-2, gt=0, lt=1)
     """Relative size of what is new in a secant below which it is dropped."""
-    differences: bool = False
+    differences: Flag = False
     """Use finite differences instead of the participants' directional derivatives."""
     halvings: int = Field(6, ge=0)
     """Maximum number of halvings of a macro step that fails."""
@@ -217,7 +218,7 @@ class Coupling(Table):
     """Options of a method or step control of another package."""
     order: list[str]
     """Stepping order, each participant once. Wires against this order are the unknowns."""
-    parallel: bool = False
+    parallel: Flag = False
     """Use Jacobi instead of Gauss-Seidel iteration. All wires are unknowns."""
     predictor: int = Field(2, ge=0, le=2)
     """Order of the extrapolation that starts a macro step. 0 repeats the last values. Default with
@@ -361,7 +362,7 @@ class Case(Table):
     """Connections from outputs to inputs."""
     coupling: Coupling
     """Method, order and limits of the iterations of a macro step."""
-    native: bool | list[str] | None = None
+    native: Flag | list[str] | None = None
     """Run participants of packages as machine code: true for all, false for none, or a list of
     names. Default: all participants that have a prebuilt library.
     """

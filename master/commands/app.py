@@ -14,7 +14,7 @@ from rich.console import Console
 
 from ..fmi.errors import BadInput, Stopped
 from ..runs.signals import ending_soon
-from .usage import faults_of
+from .usage import check_values, faults_of
 
 STARTED = time.perf_counter()
 SUMMARY = "Simulate the elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation."
@@ -91,6 +91,7 @@ def main():
         if (listed := overview(words)) is not None:
             print(listed)
             return
+        check_values(words)
         with ending_soon():
             app(words, exit_on_error=False, print_error=False)
     except KeyboardInterrupt as error:

@@ -1,34 +1,40 @@
 """`piston-cosim profile`."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from cyclopts import Parameter
 
 from ..fmi.errors import BadInput, for_all
-from ..fmi.quantities import to_si
+from ..fmi.quantities import in_unit, to_si
 from ..fmi.tree import import_part
 from .check import print_figures
-from .common import OutputFile, tell
+from .common import OutputFile, PictureFile, tell
 
 READER = "fmu_mfbd.profile_reader"
 """Module that reads profiles, called by name because this package does not import bodies."""
+UNITS = ("angle_unit", "height_unit", "value_unit")
+"""Options that are units of the table, of which those of angles and heights are positive."""
+POSITIVE = ("angle_unit", "height_unit", "radius")
+Value = TypeVar("Value")
+Signed = Annotated[Value, Parameter(allow_leading_hyphen=True)]
+"""Option whose value may begin with a minus sign."""
 
 
 def command(
     file: Path,
     /,
     *,
-    angle_unit: str = "1 deg",
-    height_unit: str = "1 mm",
-    value_unit: str = "1 um",
-    turn: Annotated[str, Parameter(allow_leading_hyphen=True)] = "0 deg",
-    skirt_lower: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    skirt_upper: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    radius: str | None = None,
+    angle_unit: Signed[str] = "1 deg",
+    height_unit: Signed[str] = "1 mm",
+    value_unit: Signed[str] = "1 um",
+    turn: Signed[str] = "0 deg",
+    skirt_lower: Signed[str | None] = None,
+    skirt_upper: Signed[str | None] = None,
+    radius: Signed[str | None] = None,
     smooth: Annotated[bool, Parameter(negative=())] = False,
     output: OutputFile | None = None,
-    picture: OutputFile | None = None,
+    picture: PictureFile | None = None,
 ):
     """Read a measured profile of a skirt, judge and draw it.
 
@@ -69,14 +75,16 @@ def command(
         "height_unit": (height_unit, "m"),
         "value_unit": (value_unit, "m"),
         "turn": (turn, "rad"),
-        "lower": (skirt_lower, "m"),
-        "upper": (skirt_upper, "m"),
+        "skirt_lower": (skirt_lower, "m"),
+        "skirt_upper": (skirt_upper, "m"),
         "radius": (radius, "m"),
     }
     *units, turned, lower, upper, size = for_all(_in_si, given.items())
+    if output and output.exists() and file.exists() and output.samefile(file):
+        raise BadInput(f"--output: expected another file than the profile, got {str(output)!r}")
     reader: Any = import_part(READER)
     ends = {key: value for key, value in (("lower", lower), ("upper", upper)) if value is not None}
-    reading = reader.Reading(units, turned, **ends, **({"radius": size} if size else {}))
+    reading = reader.Reading(units, turned, **ends, **({} if size is None else {"radius": size}))
     drawn = picture or Path("results/profile") / f"{file.stem}.png"
     drawn.parent.mkdir(parents=True, exist_ok=True)
     report = reader.read_profile(file, reading, drawn, smooth, output)
@@ -94,9 +102,14 @@ def command(
 
 
 def _in_si(item: tuple[str, tuple[str | None, str]]) -> float | None:
-    """Return the value of an option in SI."""
+    """Return the value of an option in SI; a unit may stand without the number 1."""
     name, (text, unit) = item
+    key = f"--{name.replace('_', '-')}"
     try:
-        return None if text is None else to_si(text, unit)
+        value = to_si(in_unit(unit, alone=name in UNITS).with_number(text), unit) if text else None
     except ValueError as error:
-        raise BadInput(f"--{name.replace('_', '-')}: {error}") from None
+        raise BadInput(f"{key}: {error}") from None
+    if value is not None and (value <= 0.0 if name in POSITIVE else name in UNITS and not value):
+        wanted = "above 0" if name in POSITIVE else "other than 0"
+        raise BadInput(f"{key}: expected a value {wanted} {unit}, got {text!r}")
+    return value

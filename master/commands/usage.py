@@ -1,6 +1,8 @@
 """Faults of a call: errors of the command line, files and folders, as one sentence each."""
 
 import os
+from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any, get_args
@@ -9,6 +11,15 @@ from cyclopts import CycloptsError
 from cyclopts import exceptions as usage
 
 from ..fmi.errors import BadInput, file_fault, unknown
+
+
+def check_values(words: Sequence[str]) -> None:
+    """Raise `BadInput` for an option with an empty value, which would be the current folder."""
+    for option, value in pairwise([*words, "none"]):
+        name, sign, own = option.partition("=")
+        if name.startswith("--") and not (own if sign else value):
+            raise BadInput(f"{name}: expected a value, got ''")
+
 
 KINDS = {int: "a whole number", float: "a number", bool: "true or false", Path: "a path"}
 """Expected value of an option, by its type."""

@@ -91,7 +91,8 @@ def file_fault(path: Path | str | None, error: Exception) -> str:
     parent = Path(str(path)).parent
     if isinstance(error, FileNotFoundError) and not parent.is_dir():
         return f"{path}: expected an existing folder {str(parent)!r}, got no such folder"
-    if isinstance(error, UnicodeDecodeError) and b"\0" in error.object[:1000]:
+    wide = isinstance(error, UnicodeDecodeError) and error.object[:2] in (b"\xff\xfe", b"\xfe\xff")
+    if isinstance(error, UnicodeDecodeError) and b"\0" in error.object[:1000] and not wide:
         return f"{path}: expected a text file, got a binary one"
     for kind, sentence in FILE_FAULTS.items():
         if isinstance(error, kind):

@@ -10,12 +10,13 @@ import inspect
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import date
 from functools import cache
 from itertools import pairwise, takewhile
 from textwrap import dedent
-from typing import Any, TypeGuard, TypeVar, cast
+from typing import Annotated, Any, TypeGuard, TypeVar, cast
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Strict, ValidationError
 
 from .errors import BadInput, unknown
 
@@ -23,6 +24,8 @@ Schema = Mapping[str, Any]
 Options = TypeVar("Options", bound=BaseModel)
 LOW = {"minimum": "", "ge": "", "exclusiveMinimum": "above ", "gt": "above "}
 HIGH = {"maximum": "", "le": "", "exclusiveMaximum": "below ", "lt": "below "}
+Flag = Annotated[bool, Strict()]
+"""Value true or false. Without `Strict`, pydantic accepts 1 and "yes" as well."""
 ANY = "NAME"
 """Placeholder in a dotted key for a name that the user chooses."""
 EACH = "N"
@@ -86,12 +89,24 @@ def validated(kind: type[Options], options: Mapping[str, Any]) -> Options:
 def sentences(error: ValidationError, kind: type[BaseModel]) -> list[str]:
     """Return the faults of an option class, "KEY: expected X, got Y; hint" each."""
     by_key: dict[str, list[str]] = {}
+    # a value of one of the possible types has faults of this type only
+    typed = {key_of(fault) for fault in error.errors() if fault["type"] in RIGHT_TYPE}
     for fault in error.errors():
+        if fault["type"].endswith("_type") and key_of(fault) in typed:
+            continue
         for sentence in _sentences(fault, kind):
             by_key.setdefault(key_of(fault) if _of_choice(fault) else sentence, []).append(sentence)
     return [_either(several) for several in by_key.values()]
 
 
+RIGHT_TYPE = (
+    "finite_number",
+    "greater_than",
+    "greater_than_equal",
+    "less_than",
+    "less_than_equal",
+)
+"""Faults of values that have the expected type."""
 OPTION = re.compile(r"(str|bool|int|float|(list|dict|tuple|constrained|function)[\[-].*)")
 """Part of a pydantic location that names one of several types, not a key."""
 
@@ -161,7 +176,7 @@ def _shown(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         items = cast(Sequence[Any], value)
         return f"a list of {len(items)}" if len(items) > 3 else repr(list(items))
-    return repr(value)
+    return f"the date {value}" if isinstance(value, date) else repr(value)
 
 
 WANTED = {

@@ -262,10 +262,10 @@ class in_unit:
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> core_schema.CoreSchema:
         return core_schema.no_info_before_validator_function(
-            lambda value: to_si(self._with_number(value), self.unit), handler(source)
+            lambda value: to_si(self.with_number(value), self.unit), handler(source)
         )
 
-    def _with_number(self, value: Any) -> Any:
+    def with_number(self, value: Any) -> Any:
         """Return a unit alone with the number 1, any other value unchanged."""
         is_unit = self.alone and isinstance(value, str) and is_known(value)
         return f"1 {value}" if is_unit and not re.search(r"\d", value[:1]) else value

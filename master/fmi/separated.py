@@ -5,7 +5,11 @@ import re
 from pathlib import Path
 
 SEPARATORS = "\t;,"
-"""Separators of columns. The first of them in the last row is that of the file; default: blanks."""
+"""Separators of columns. That of a file is the first of them in its last row of numbers; default:
+blanks.
+"""
+FIRST_NUMBER = re.compile(r'\s*["+-]*[\d.,]+\S*?[\s;,]+\S')
+"""Begin of a row of several numbers."""
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*")
 
 
@@ -22,7 +26,9 @@ def read_rows(path: Path | str) -> list[tuple[int, list[str]]]:
     """
     lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
     used = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and line.strip()[0] != "#"]
-    separator = next((one for one in SEPARATORS if used and one in used[-1][1]), None)
+    rows_of_numbers = [line for _, line in used if FIRST_NUMBER.match(line)]
+    last = [line for _, line in used[-1:]] if not rows_of_numbers else rows_of_numbers[-1:]
+    separator = next((one for one in SEPARATORS if one in "".join(last)), None)
     if separator is None:
         rows = [line.split() for _, line in used]
     else:

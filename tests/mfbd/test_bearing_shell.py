@@ -112,7 +112,7 @@ def test_work_of_a_film_is_elastic_energy_and_its_force_is_on_the_support(liner)
 
 RING = {"inside": "25 mm", "outside": "33 mm"}
 FAULTS = {
-    "expected either mesh or ring, got both or neither": {"ring": None},
+    "expected either mesh or ring, got neither": {"ring": None},
     "ring.outside: expected more than inside = 0.025 m": {"ring": RING | {"outside": "25 mm"}},
     "ring.held: expected at least one block around, 10 deg": {"ring": RING | {"held": "5 deg"}},
     "ring.cells": {"ring": RING | {"cells": [36, 0, 6]}},

@@ -64,6 +64,7 @@ GROOVED = replace(SOUND, value=SOUND.value + 15e-6 * (np.arange(20) == 9)[:, Non
         (grain(SOUND), ["warning"], "outside it at 75 deg, -8.421 mm"),
         (grain(SOUND, row=0, column=0), ["warning"], "outside it at 0 deg, -25 mm"),
         (EXACT, ["remark"], "got the same values at opposite angles"),
+        (replace(SOUND, value=1e-3 * SOUND.value), ["warning"], "m; check value_unit"),
         (GROOVED, ["remark"], "steps and grooves"),
         (MeasuredShape(np.zeros(1), np.zeros(1), np.zeros((1, 1))), [], ""),
         (MeasuredShape(np.zeros(1), SOUND.height, EXACT.value[:, 6:7]), [], ""),

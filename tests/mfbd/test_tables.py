@@ -55,14 +55,15 @@ def gas_file(tmp_path):
             lambda lines: [*lines[:50], lines[48], *lines[50:]],
             "51: expected crank angle above 96, got 94",
         ),
+        (lambda lines: ["0, x", *lines], "line 1: expected numbers, got 'x'"),
         (lambda lines: [*lines, "720, 3"], r"csv: expected pressure 1e\+06 Pa at the end"),
         (
             lambda lines: [*lines[:9], "16, abc", *lines[10:]],
-            "10: expected numbers, got '16,abc'",
+            "10: expected numbers, got 'abc'",
         ),
         (
             lambda lines: [*lines[:9], "16, nan", *lines[10:]],
-            "10: expected numbers, got '16,nan'",
+            "10: expected numbers, got 'nan'",
         ),
         (
             lambda lines: [*lines[:9], "16, 3, 4", *lines[10:]],
@@ -76,14 +77,32 @@ def test_bad_gas_tables_name_the_row(gas_file, change, message):
         gas_table(read_numbers(gas_file), 4 * np.pi, DEG, 1e5)
 
 
+BAD_PROFILES = {
+    "h,0,120,240\n0,1,2,3\n1,1,2,3\n2,2,3": "4: expected 4 numbers, a height and 3 values, got 3",
+    "h,0,120,240\n0,1,2,3\n1,1,2,3\n1,1,2,3": "4: expected a height above 1, got 1",
+    "h,0,240,120\n0,1,2,3": "1: expected an angle above 240, got 120",
+    "h,0,360,720\n0,1,2,3": "below a full revolution, got 720 deg; remove a repeated angle",
+    "h,0,120,240\n0,1,n/a,3": "2: expected numbers, got 'n/a'",
+}
+"""Texts of profiles, and a part of the fault."""
+
+
 def test_bad_profiles_name_the_row(tmp_path):
     path = tmp_path / "skirt.csv"
     path.write_text("h,0,5,10,15\n0,1,1,1,1")
     with pytest.raises(TableFault, match="csv: expected gaps near 5 deg between"):
         profile_table(path, DEG, 1e-3, 1e-6)
-    path.write_text("h,0,120,240\n0,1,2,3\n1,1,2,3\n2,2,3")
-    with pytest.raises(TableFault, match="4: expected 4 numbers, got 3"):
-        profile_table(path, DEG, 1e-3, 1e-6)
+    for text, message in BAD_PROFILES.items():
+        path.write_text(text)
+        with pytest.raises(TableFault, match=message):
+            profile_table(path, DEG, 1e-3, 1e-6)
+
+
+def test_a_profile_from_the_top_to_the_bottom(tmp_path):
+    path = tmp_path / "skirt.csv"
+    path.write_text("Skirt of today\nh,0,120,240\n2,1,2,3\n-1,4,5,6")
+    table = profile_table(path, DEG, 1.0, 1.0)
+    assert table.height.tolist() == [-1, 2] and table.value.tolist() == [[4, 5, 6], [1, 2, 3]]
 
 
 def test_tables_in_the_case_name_their_rows():
@@ -279,7 +298,7 @@ def test_profile_file_and_interpolation(tmp_path):
     with pytest.raises(TableFault, match="csv: expected gaps near 5 deg between"):
         profile_table(path, DEG, 1e-3, 1e-6)
     path.write_text("\n".join([*rows[:3], "1,2,3"]))
-    with pytest.raises(TableFault, match="4: expected 73 numbers, got 3"):
+    with pytest.raises(TableFault, match="4: expected 73 numbers"):
         profile_table(path, DEG, 1e-3, 1e-6)
 
 
