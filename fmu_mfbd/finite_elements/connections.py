@@ -73,8 +73,10 @@ def mesh_faults(points: np.ndarray, tets: np.ndarray, where: Path | str) -> list
             f"{bad[0] + 1} at {_place(points[tets[bad[0], :4]])} with a Jacobian of "
             f"{least[bad[0]]:.3g} m3"
         )
-    faults += _duplicates(points, tets) or _loose_pieces(points, tets)
-    faults += _coincident(points, outer_faces(tets))
+    faults += _duplicates(points, tets) or [
+        *_loose_pieces(points, tets),
+        *_coincident(points, outer_faces(tets)),
+    ]
     return [f"{where}: {fault}" for fault in faults]
 
 

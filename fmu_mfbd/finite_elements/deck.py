@@ -115,7 +115,7 @@ class Deck:
         ------
         MeshFault
             If the deck has other solid elements than tetrahedra, linear and quadratic ones, or an
-            element without a corner.
+            element without a corner, or a coordinate that is not finite.
         """
         self._check()
         omitted = self.tets < 0
@@ -159,6 +159,12 @@ class Deck:
             raise MeshFault(
                 f"body: expected ten-node tetrahedra only, got {linear} of {len(self.tets)} with "
                 "four nodes"
+            )
+        used = np.unique(self.tets[self.tets >= 0])
+        if len(wrong := used[~np.isfinite(self.points[used]).all(axis=1)]):
+            label = wrong[0] + 1 if self.labels is None else self.labels[wrong[0]]
+            raise MeshFault(
+                f"node {label}: expected finite coordinates, got {self.points[wrong[0]].tolist()}"
             )
         if bad := int((self.tets[:, :CORNERS] < 0).any(axis=1).sum()):
             raise MeshFault(f"expected four corners of each element, got {bad} elements with less")

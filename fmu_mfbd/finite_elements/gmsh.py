@@ -99,7 +99,7 @@ def read_gmsh(path: Path) -> Deck:
     lines = sections.get("PhysicalNames", b"").decode("utf-8", "replace").split("\n")[1:]
     for line in filter(str.strip, lines):
         dimension, tag, name = line.split(maxsplit=2)
-        names[int(dimension), int(tag)] = name.strip().strip('"')
+        names[int(dimension), int(tag)] = name.strip().strip('"').strip()
     if version == "2.2":
         labels, points = _nodes_22(sections["Nodes"], binary)
         blocks = list(_elements_22(sections["Elements"], binary))

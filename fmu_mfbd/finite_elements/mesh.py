@@ -107,11 +107,10 @@ def read_mesh(
         name: outer[_marked(raw, number, points, outer, name, region)]
         for name, region in surfaces.items()
     }
-    known = f"the file names {', '.join(raw.known()) or 'none'}"
     faults = [
-        f"{path}: surface '{name}' is missing or empty ({entry(raw.faults, name) or known})"
-        for name, members in faces.items()
-        if not len(members)
+        f"{path}: surface '{name}': expected outer faces, got {_instead(raw, name, region)}"
+        for name, region in surfaces.items()
+        if not len(faces[name])
     ]
     faults += mesh_faults(points, tets, path)
     if faults:
@@ -120,6 +119,21 @@ def read_mesh(
     for remark in corner_remarks(points, tets):
         say(f"{path}: {remark}")
     return Mesh(points, tets, faces, labels=None if raw.labels is None else raw.labels[used])
+
+
+def _instead(raw: Deck, name: str, region: Region | None) -> str:
+    """Return what a file has instead of the faces of a surface."""
+    if region is not None:
+        return "none in its region; check origin, axes and mesh_unit"
+    if fault := entry(raw.faults, name):
+        return fault
+    if (nodes := entry(raw.node_sets, name)) is not None:
+        return f"a set of {len(nodes)} nodes that holds the corners of no outer face"
+    if entry(raw.faces, name) is not None:
+        return "faces inside the body"
+    if entry(raw.parts, name) is not None:
+        return "a set of solid elements; define a set of nodes or a surface"
+    return f"no such name; the file names {', '.join(raw.known()) or 'none'}"
 
 
 def to_body_axes(points: np.ndarray, axes: Sequence[str], origin: Sequence[float]) -> np.ndarray:
@@ -182,6 +196,8 @@ def _read(plain, path, part):
     except (StopIteration, RuntimeError):  # of a reader's loop
         raise MeshFault(f"{path}: {UNREADABLE} (it ends too early)") from None
     except (ValueError, KeyError, IndexError) as reason:
+        if text := re.search("(?:to float|base 10): (.*)", str(reason)):
+            raise MeshFault(f"{path}: expected a number, got {text[1]}") from None
         raise MeshFault(f"{path}: {UNREADABLE} ({reason}); {FORMATS}") from None
 
 
@@ -228,7 +244,8 @@ def _by_meshio(path: Path) -> Deck:
     try:
         raw = meshio.read(path)
     except (Exception, SystemExit) as error:  # its readers raise whatever comes, or exit
-        raise MeshFault(f"{UNREADABLE} (meshio: {error}); {FORMATS}") from None
+        reason = "" if isinstance(error, SystemExit) else f" (meshio: {error})"
+        raise MeshFault(f"{UNREADABLE}{reason}; {FORMATS}") from None
     kinds = Counter()
     for cells in raw.cells:
         kinds[cells.type] += len(cells.data)

@@ -256,6 +256,10 @@ def cards(path: Path) -> Iterator[Card]:
         if head and head[0] not in "+*":
             if card:
                 yield card
+            if head[0] == "=":
+                raise MeshFault(
+                    "expected written entries, got replication by =; write the mesh in full"
+                )
             card = Card(head.rstrip("*"), fields, mark)
             continue
         begins = head.lstrip("+*")

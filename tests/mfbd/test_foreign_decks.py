@@ -195,7 +195,14 @@ DECKS = {
     "system.inp": ("*SYSTEM\n1., 0., 0.\n" + ABAQUS, None, r"expected written nodes, got \*SYSTEM"),
     "cylindrical.inp": (ABAQUS.replace("*NODE", "*NODE, SYSTEM=C"), None, "got system=C"),
     "mixed.inp": (ABAQUS + "*ELEMENT, TYPE=C3D4\n2, 1, 3, 2, 4\n", None, "1 of 2 with four nodes"),
+    "nan.inp": (
+        ABAQUS.replace("0.05", "nan"),
+        None,
+        "node 4: expected finite coordin",
+    ),
+    "letter.inp": (ABAQUS.replace("0.05", "O.05"), None, "expected a number, got 'O.05'"),
     # Nastran
+    "copied.bdf": ("GRID,1,,0.,0.,0.\n=,*1,=,*30.,=,=\n" + CTETRA, None, "got replication by ="),
     "polar.bdf": (f"BEGIN BULK\nCORD2C,{AXES}" + grid(POLAR, 7) + CTETRA, {}, ""),
     "sphere.dat": (f"BEGIN BULK\nCORD2S,{AXES}" + grid(SPHERICAL, 7) + CTETRA, {}, ""),
     "by_nodes.bdf": (
@@ -260,6 +267,7 @@ DECKS = {
     "thermal.cdb": (ANSYS.replace("187", "87") + ONE, None, "got 1 SOLID87; only structural"),
     "hexahedron.dat": (ANSYS + "ET,2,186\n" + solids((1, 1, TEN), (2, 1, TEN)), None, "SOLID186"),
     # gmsh
+    "blank.msh": (GMSH.replace('"skirt"', '"skirt "'), {"skirt": 1, "all": 1}, ""),
     "a.msh": (GMSH, {"skirt": 1, "all": 1}, ""),
     "old.msh": (GMSH.replace("4.1 0", "4 0"), None, "format 2.2 or 4.1, got 4; .*MshFileVersion"),
     "third_order.msh": (
@@ -302,6 +310,20 @@ def test_deck_is_read_right_or_rejected_with_the_reason(name, tmp_path):
     assert bool(said) == bool(pattern) and re.search(pattern, " ".join(said))
     for key, count in sets.items():
         assert len(deck.faces.get(key, deck.node_sets.get(key, ()))) == count
+
+
+@pytest.mark.parametrize(
+    "deck, message",
+    [
+        (ABAQUS + "*NSET, NSET=SKIRT\n1, 2\n", "'skirt': expected outer faces, got a set of 2 nod"),
+        (ABAQUS + "*ELSET, ELSET=SKIRT\n1\n", "got a set of solid elements; define a set of nod"),
+        (NASTRAN + CTETRA.replace("A,1", "A,2"), "expected different elements, got 1 duplicates"),
+    ],
+)
+def test_what_a_file_has_instead_of_a_surface(deck, message, tmp_path):
+    (tmp_path / "deck.txt").write_text(deck)
+    with pytest.raises(MeshFault, match=message):
+        read_mesh(tmp_path / "deck.txt", {"skirt": None})
 
 
 def test_part_of_an_assembly(tmp_path):

@@ -60,7 +60,7 @@ FAULTS = {
     "shell": ({"mesh": "shell.inp"}, "inp: expected 10-node tetrahedra, got 1"),
     "surface": (
         {"mesh": "block.msh"},
-        "surface 'pin_bore' is missing or empty .the file names bolts, bore",
+        "surface 'pin_bore': expected outer faces, got no such name; the file names bolts, bore",
     ),
 }
 
