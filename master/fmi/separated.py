@@ -10,6 +10,8 @@ blanks.
 """
 FIRST_NUMBER = re.compile(r'\s*["+-]*[\d.,]+\S*?[\s;,]+\S')
 """Begin of a row of several numbers."""
+BLANKS = re.compile(r"\s+(?!\[|[^\[\]]*\])")
+"""Blanks between columns, which are not those of a unit in brackets."""
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*")
 
 
@@ -26,11 +28,11 @@ def read_rows(path: Path | str) -> list[tuple[int, list[str]]]:
     """
     lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
     used = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and line.strip()[0] != "#"]
-    rows_of_numbers = [line for _, line in used if FIRST_NUMBER.match(line)]
-    last = [line for _, line in used[-1:]] if not rows_of_numbers else rows_of_numbers[-1:]
-    separator = next((one for one in SEPARATORS if one in "".join(last)), None)
+    whole = [line for _, line in used]
+    last = "".join(([line for line in whole if FIRST_NUMBER.match(line)] or whole)[-1:])
+    separator = next((one for one in SEPARATORS if one in last), None)
     if separator is None:
-        rows = [line.split() for _, line in used]
+        rows = [BLANKS.split(line.strip()) for _, line in used]
     else:
         rows = list(csv.reader([line for _, line in used], delimiter=separator))
     if separator != ",":

@@ -5,6 +5,7 @@ lift [mm]`. The first column is the time. Outputs are in SI. `true` and `false` 
 """
 
 import re
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -120,7 +121,8 @@ class TableParticipant(StartedInHalves):
         values = self.columns[name]
         convert = TYPES.get(self.fields[name].type)
         if self.kind == "hold" or convert:
-            row = np.searchsorted(self.times, self.now * (1 + 1e-12), side="right") - 1
+            now = self.now + 1e-12 * abs(self.now)
+            row = np.searchsorted(self.times, now, side="right") - 1
             return (convert or float)(self.rows[name][max(row, 0)])
         if self.kind == "cubic":
             return float(values(self.now))
@@ -200,8 +202,11 @@ def read_table(path):
     if unit != "s":
         got = "no unit" if unit == "1" else unit
         faults.append(f"{path}: expected 'time [s]' as the first column, got {head[0]!r}, {got}")
-    if not (np.diff(times) > 0).all():
-        faults.append(f"{path}: expected times that increase from row to row, got others")
+    faults += [
+        f"{path}, row {body[k + 1][0]}: expected a time after {body[k][1][0].strip()}, got "
+        f"{body[k + 1][1][0].strip()}"
+        for k in np.flatnonzero(np.diff(times) <= 0)
+    ]
     if not others:
         faults.append(f"{path}: expected a column after the time, got none")
     if faults:
@@ -231,10 +236,12 @@ def _numbers(path, rows, width, faults):
     """Return the rows as an array; add the fault of each row that is not valid."""
     table = np.zeros((len(rows), width))
     for k, (number, row) in enumerate(rows):
-        try:
-            table[k] = [float(WORDS.get(cell.strip().lower()) or cell) for cell in row]
-        except ValueError:
-            faults.append(f"{path}, row {number}: expected {width} numbers, got {', '.join(row)!r}")
-    if not np.isfinite(table).all():
-        faults.append(f"{path}: expected finite values, got others")
+        values = []
+        with suppress(ValueError):
+            values = [float(WORDS.get(cell.strip().lower()) or cell) for cell in row]
+        if len(values) == width and np.isfinite(values).all():
+            table[k] = values
+        else:
+            wanted = f"{width} finite numbers"
+            faults.append(f"{path}, row {number}: expected {wanted}, got {', '.join(row)!r}")
     return table

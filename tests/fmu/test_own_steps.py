@@ -116,6 +116,10 @@ def test_a_held_table_and_a_start_time(folder):
     np.testing.assert_allclose(results.time, 0.5 + H * np.arange(21), rtol=1e-14)
     force = results.series("source.force").values
     assert force[[0, 4, 5, 9, 10, 14, 15, 20]].tolist() == [0.25, 0.25, 1, 1, 1.75, 1.75, 4, 4]
+    (folder / "signal.csv").write_text("time [s] force [m]\n-2 1\n-1 2\n0 3\n")
+    _, results = solved(folder, with_table("hold", "held", time='start = "-2 s"\nstop = "0 s"'))
+    force = results.series("source.force").values
+    assert force[[0, 9, 10, 19, 20]].tolist() == [1, 1, 2, 2, 3]
     expected = [1.0]
     for u in force[1:]:
         expected.append((expected[-1] + H * u) / (1 + 2 * H))  # Eq. (X8)
@@ -127,15 +131,19 @@ def test_a_held_table_and_a_start_time(folder):
     [
         ("time [s], force [m]\n0, 1\n1, 2\n", "expected times from 0 s to 2 s, got 0 s to 1 s"),
         ("time [s], force [furl]\n0, 1\n2, 2\n", "column force: expected a known unit, got 'furl'"),
-        ("time [kg], force [m]\n0, 1\n2, 2\n", "expected the time in the first column"),
-        ("time [s], force [m]\n0, 1\n0, 2\n", "expected times that increase from row to row"),
-        ("time [s], force [m]\n0, x\n2, 2\n", "row 2: expected 2 numbers, got '0,  x'"),
+        (
+            "time [kg], force [m]\n0, 1\n2, 2\n",
+            "expected 'time [s]' as the first column, got 'time [kg]', kg",
+        ),
+        ("time [s], force [m]\n0, 1\n0, 2\n", "row 3: expected a time after 0, got 0"),
+        ("time [s], force [m]\n0, x\n2, 2\n", "row 2: expected 2 finite numbers, got '0,  x'"),
         (
             "time [s], force [m], force\n0, 1, 2\n2, 2, 3\n",
             "expected different names, got 'force' twice",
         ),
         ("time [s]\n0\n2\n", "expected a column after the time"),
-        ("time [s], force [m]\n0, nan\n2, 2\n", "expected finite values"),
+        ("time [s], force [m]\n0, nan\n2, 2\n", "row 2: expected 2 finite numbers"),
+        ("time [s], force [m]\n0, 1\n1\n2, 2\n", "row 3: expected 2 finite numbers, got '1'"),
     ],
 )
 def test_tables_that_cannot_be_used(folder, table, words):
