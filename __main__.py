@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 from types import FrameType
 
 
@@ -24,4 +25,6 @@ def _stop(number: int, frame: FrameType | None) -> None:
 
 
 if __name__ == "__main__":
+    if sys.path[0] == os.getcwd():  # `python -m` would import a math.py of this folder
+        del sys.path[0]
     main()

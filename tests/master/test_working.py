@@ -147,6 +147,13 @@ main()
 """Command line that receives SIGINT while it imports its modules."""
 
 
+def test_files_of_the_folder_hide_no_module(tmp_path):
+    (tmp_path / "math.py").write_text("raise SystemExit('wrong file')")
+    command = [sys.executable, "-m", "piston_cosim", "--version"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_an_interrupted_import_ends_with_a_message():
     ended = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True)
     assert (ended.returncode, ended.stderr) == (1, "\nstopped: by SIGINT\n")
