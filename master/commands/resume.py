@@ -31,10 +31,10 @@ def command(checkpoint: Path, /, *, verbose: Annotated[bool, Parameter(negative=
     verbose
         Also print every period, all counters, the summary of the case and every check.
     """
-    shown = checkpoint.with_suffix("")
-    checkpoint = checkpoint.absolute()  # an FMU may change the working directory
     if not checkpoint.name.endswith(".h5.checkpoint"):
         raise BadInput(f"CHECKPOINT: expected a file *.h5.checkpoint, got {str(checkpoint)!r}")
+    shown = checkpoint.with_suffix("")
+    checkpoint = checkpoint.absolute()  # an FMU may change the working directory
     kept = Checkpoint.read(checkpoint)
     output = checkpoint.with_suffix("")
     check_code(kept, say)

@@ -68,6 +68,9 @@ def test_interrupted_and_resumed_equals_uninterrupted(whole, tmp_path, kind, cod
 
 def test_no_checkpoint_is_bad_input(tmp_path):
     (tmp_path / "x.h5.checkpoint").write_bytes(b"nonsense")
-    for name in ("x.h5.checkpoint", "missing.h5.checkpoint", "x.h5"):
-        done = call("resume", tmp_path / name)
+    for path in (
+        *map(tmp_path.joinpath, ("x.h5.checkpoint", "missing.h5.checkpoint", "x.h5")),
+        ".",
+    ):
+        done = call("resume", path)
         assert done.returncode == 2, done.stderr
