@@ -164,7 +164,9 @@ def missing_file(table, folder):
 
 def check_ports(case, participants, faults):
     outputs = ("output", "input", "parameter", "local")
-    for port in case.record.fields:
+    for k, port in enumerate(case.record.fields):
+        if port in case.record.fields[:k]:
+            faults.append(f"record.fields: expected different names, got {port} twice")
         field = field_of(port, outputs, participants, "record.fields", faults)
         if field is not None and 0 in field.shape:
             faults.append(

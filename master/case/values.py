@@ -62,9 +62,8 @@ def value_of(field, text):
             raise ValueError(unknown("choice", text, field.choices))
         return field.choices[text]
     if field.type == "Enumeration" and field.choices and text not in field.choices.values():
-        items = [f"{name!r} ({value})" for name, value in field.choices.items()]
-        raise ValueError(f"expected {names_of(items)}, got {text!r}")
-    is_whole = isinstance(text, int) and field.type != "Real" and field.unit == "1"
+        raise ValueError(f"expected {items_of(field)}, got {text!r}")
+    is_whole = type(text) is int and field.type != "Real" and field.unit == "1"
     value = text if is_whole else quantity_of(text, field)  # 2^53 + 1 is not exact as a float
     fits = getattr(field, "whole_numbers", None) or (-inf, inf)
     low = fits[0] if field.minimum is None else max(fits[0], field.minimum)
@@ -76,6 +75,11 @@ def value_of(field, text):
     if field.type in ("Integer", "Enumeration") and value != int(value):
         raise ValueError(f"expected a whole number, got {text}")
     return value if field.type == "Real" else int(value)
+
+
+def items_of(field):
+    """Return the items of an enumeration as the expected part of a sentence."""
+    return names_of(f"{name!r} ({value})" for name, value in field.choices.items())
 
 
 def quantity_of(text, field, is_difference=False):

@@ -4,12 +4,12 @@ from dataclasses import replace
 from math import inf
 
 from ..coupling.wiring import HeldWire, Wire, is_unknown, port_of
-from ..fmi.errors import collecting, unknown
+from ..fmi.errors import BadInput, collecting, unknown
 from ..fmi.fields import base_of
 from ..fmi.quantities import are_compatible, is_known, pint_unit, registry
 from ..participants.converted import Conversion, ConvertedParticipant
 from ..participants.table import TYPES, TableParticipant
-from .values import definition_of, is_relative, quantity_of
+from .values import definition_of, is_relative, items_of, quantity_of
 
 TOLERANCE = 1e-6
 """Tolerance of an unknown wire without a criterion, in nominal values."""
@@ -83,10 +83,18 @@ def give_types(tables, participants, faults):
     """Give each column of a signal table the type of the input on its wire, if it is a number."""
     for table in tables:
         owner, name = port_of(table.source)
+        target_owner, target = port_of(table.target)
         one, kind = participants[owner], type_of(table.target, participants)
         if isinstance(one, TableParticipant) and name in one.rows and kind in TYPES:
             with collecting(faults, f"participants.{owner}.table: "):
                 one.give_type(name, kind)
+                check_items(participants[target_owner].fields[target], set(one.rows[name]))
+
+
+def check_items(field, values):
+    """Raise `BadInput` for values that are not items of a field, if it is an enumeration."""
+    if field.choices and (others := values - set(field.choices.values())):
+        raise BadInput(f"expected {items_of(field)} for {field.name}, got {min(others):g}")
 
 
 OF_NUMBERS = (
@@ -109,6 +117,8 @@ def wire_of(table, participants, coupling, faults):
     if source.type != target.type:
         faults.append(f"{where}: expected equal types, got {source.type} and {target.type}")
         return None
+    with collecting(faults, f"{where}: "):
+        check_items(target, set(source.choices.values()))
     if source.shape != target.shape:
         faults.append(
             f"{where}: expected equal shapes, got {source.shape} and {target.shape}; "
@@ -183,7 +193,7 @@ def common_unit(table, participants):
     ports = [port_of(table.source), port_of(table.target)]
     ends = [participants[owner].fields[name] for owner, name in ports]
     declared = [end for end, (owner, _) in zip(ends, ports) if participants[owner].declares_units]
-    if len(declared) < 2:
+    if len(declared) < 2 and not all(map(definition_of, ends)):
         return (declared[0] if declared else ends[0]), None
     conversion = _conversion(*ends)
     return ends[0], None if conversion == (1.0, 0.0) else conversion

@@ -19,7 +19,7 @@ ALWAYS = 2**26
 MOST_MEMBERS = 100_000
 
 
-def check_archive(archive: zipfile.ZipFile, path: Path) -> None:
+def check_archive(archive: zipfile.ZipFile, path: Path, key: str = "") -> None:
     """Check the directory of an archive before it is unpacked; raise `BadInput` with its fault.
 
     Reading a member stops at the size that the directory states.
@@ -29,15 +29,15 @@ def check_archive(archive: zipfile.ZipFile, path: Path) -> None:
     packed = Path(path).stat().st_size
     if unpacked > max(ALWAYS, LARGEST_RATIO * packed):
         raise BadInput(
-            f"{path}: expected at most {LARGEST_RATIO} times the packed {packed / 1e6:.3g} MB, "
-            f"got {unpacked / 1e6:.3g} MB"
+            f"{key}{path}: expected at most {LARGEST_RATIO} times the packed {packed / 1e6:.3g} "
+            f"MB, got {unpacked / 1e6:.3g} MB"
         )
     if len(members) > MOST_MEMBERS:
-        raise BadInput(f"{path}: expected at most {MOST_MEMBERS} files, got {len(members)}")
+        raise BadInput(f"{key}{path}: expected at most {MOST_MEMBERS} files, got {len(members)}")
     for member in members:
         parts = Path(member.filename.replace("\\", "/")).parts
         if ".." in parts or member.filename.startswith("/"):
-            raise BadInput(f"{path}: expected files inside it, got path {member.filename!r}")
+            raise BadInput(f"{key}{path}: expected files inside it, got path {member.filename!r}")
 
 
 def unpack(path: Path) -> Path:

@@ -241,13 +241,13 @@ def _described(
     definition = units.get(first.unit)
     if definition and first.relativeQuantity:
         definition = replace(definition, offset=0.0)
-    number = {
-        key: float(value)
-        if (value := getattr(first, key)) not in (None, "")
-        and kind in ("Real", "Integer", "Enumeration")
-        else None
-        for key in ("nominal", "min", "max")
-    }
+    number = dict.fromkeys(("nominal", "min", "max"))
+    for key in number if kind in ("Real", "Integer", "Enumeration") else ():
+        if (value := getattr(first, key)) not in (None, ""):
+            try:
+                number[key] = float(value)
+            except ValueError:
+                raise ValueError(f"{name}: expected a number as {key}, got {value!r}") from None
     return Field(
         name,
         shape,

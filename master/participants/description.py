@@ -67,7 +67,7 @@ class DescribedFmu:
         key = f"fmu: {self.path}"
         try:
             with zipfile.ZipFile(self.path) as archive:
-                check_archive(archive, self.path)
+                check_archive(archive, self.path, "fmu: ")
                 names = archive.namelist()
                 if "modelDescription.xml" not in names:
                     inside = [one for one in names if one.endswith("/modelDescription.xml")]

@@ -127,9 +127,10 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         except Exception as error:
             if getattr(error, "status", None) == fmi2.fmi2Fatal:
                 self._fatal.add(self.folder)
+            texts = [text for status, text in self.log if status == fmi2.fmi2Discard]
+            got = "; ".join([str(getattr(error, "call", error)).rstrip("."), *texts])
             raise self._logged_error() or BadInput(
-                f"participants.{self.name}: expected a start, got "
-                f"{getattr(error, 'call', error)}{self._hint}"
+                f"participants.{self.name}: expected a start, got {got}{self._hint}"
             ) from error
         if refusal := self._logged_error():
             raise refusal

@@ -22,7 +22,7 @@ class Fmu3Participant(FmuParticipant):
     _real_functions = "fmi3GetFloat64", "fmi3SetFloat64"
     _state = "FMUState"
     _is_cached = False  # the size of arrays depends on `sizes`
-    _next_event = inf  # time that the FMU has announced [s]
+    _next_event = inf  # time that the FMU has announced [s]; -inf: it ends the simulation
 
     @property
     def can_interpolate(self) -> bool:
@@ -116,6 +116,8 @@ class Fmu3Participant(FmuParticipant):
         """Update once; return whether states change again, and whether the FMU ends."""
         again, end, _, _, is_announced, time = self._fmu.updateDiscreteStates()
         self._next_event = time if is_announced and self.can_vary_steps else inf
+        if end:
+            self._next_event = -inf
         return again, end
 
     def _do_step(self, time, step):
@@ -124,6 +126,8 @@ class Fmu3Participant(FmuParticipant):
         A step of the FMU ends at the event that it has announced.
         """
         end, at = time + step, time
+        if self._next_event == -inf:  # at the start, or at an event after the last step
+            self._end(time, end, step)
         flags = [ctypes.c_bool() for _ in range(3)]
         reached = ctypes.c_double()
         references = [ctypes.byref(answer) for answer in (*flags, reached)]

@@ -273,6 +273,8 @@ class ActiveRun(Observer):
         ended = self._period(heard)
         while not ended and self._goes_on():
             ended = self._period(heard)
+        if ended and not self.account.counters.steps:
+            raise StepFailed(f"{ended}, before its first macro step is complete")
         summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
         if ended:
             summary["ended_early"] = ended

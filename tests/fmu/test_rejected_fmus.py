@@ -1,6 +1,7 @@
 """Descriptions and archives of FMUs that other tools write, and the cause of each rejection."""
 
 import zipfile
+from pathlib import Path
 
 import pytest
 
@@ -61,6 +62,7 @@ TWICE = b'<ScalarVariable name="y" valueReference="2" causality="output"><Real/>
             "expected modelDescription.xml in UTF-8, got other bytes in line 2",
         ),
         (replaced(b"<Real", b"<Double"), "got ERROR (line 7, column 0)"),
+        (replaced(b"<Real", b'<Real max="far"'), "y: expected a number as max, got 'far'"),
         (lambda text: b"", "expected a valid modelDescription.xml, got"),
     ],
 )
@@ -96,6 +98,12 @@ def test_an_fmu_without_a_library_for_this_machine(library, more, words):
     assert call("fmu", "info", a).returncode == 0
     with pytest.raises(BadInput, match="expected binaries/linux64/odd.so"):
         pc.open_fmu(a).start({}, 0.0, 1.0)
+
+
+def test_an_fmu_with_files_outside():
+    a = repacked("a.fmu", more=["../x"])
+    words = "expected files inside it, got path '../x'"
+    assert refused({"a": a}) == f"participants.a.fmu: {Path(a).absolute()}: {words}"
 
 
 def test_an_fmu_that_was_zipped_with_its_folder(folder):  # noqa: F811

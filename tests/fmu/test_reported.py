@@ -188,6 +188,13 @@ def test_an_enumeration_has_its_items_only():
         assert last(run({"a": a}, parameters={"a": {"mode": value}}), "a.y") == 5
     words = refused({"a": a}, parameters={"a": {"mode": 2}})
     assert words.endswith("parameters.mode: expected one of 'off' (1), 'full power' (5), got 2")
+    inlet = Variable("u", 102, "input", "Enumeration", f'{attributes} start="1"')
+    b = fmu("b", [inlet], before=MODE.format('<Item name="off" value="1"/>'))
+    words = "wire a.y -> b.u: expected 'off' (1) for u, got 5"
+    assert refused({"a": a, "b": b}, ["a.y -> b.u"]) == words
+    Path("t.csv").write_text("time [s],mode\n0,1\n1,2\n")
+    words = "participants.t.table: expected 'off' (1) for u, got 2"
+    assert refused({"t": "t.csv", "b": b}, ["t.mode -> b.u"]) == words
     b = fmu("b", variables, before=MODE.format('<Item name="off"/>'))
     assert "Mode: expected an enumeration of names with whole numbers" in refused({"b": b})
 
@@ -206,6 +213,8 @@ def test_arrays_without_elements():
     assert last(run({"a": a, "b": b}, wires), "a.y") == pytest.approx(1.0)
     words = "record.fields: expected an array with elements, got a.z of shape (0,)"
     assert words in refused({"a": a}, record=["a.z"])
+    twice = "record.fields: expected different names, got a.y twice"
+    assert refused({"a": a}, record=["a.y", "a.y"]) == twice
 
 
 # time -----------------------------------------------------------------------------------------
@@ -381,13 +390,15 @@ def test_the_range_of_unsigned_integers():
     limited = Variable("p", 101, "parameter", "UInt64", 'start="1" max="2"')
     a = fmu("a", [limited, Y], "3.0")
     assert "p: expected 0 to 2, got 3" in refused({"a": a}, parameters={"a": {"p": 3}})
+    assert "p: expected a number, got True" in refused({"a": a}, parameters={"a": {"p": True}})
 
 
 RPM = '<Unit name="rpm"><BaseUnit s="-1" factor="0.1"/></Unit>'
 KINDS = (
     '<UnitDefinitions><Unit name="furlong"><BaseUnit m="1" factor="201.168"/></Unit>'
     f'<Unit name="m"><BaseUnit m="1"/></Unit><Unit name="s"><BaseUnit s="1"/></Unit>{RPM}'
-    '<Unit name="rad/s"><BaseUnit s="-1" rad="1"/></Unit></UnitDefinitions>'
+    '<Unit name="rad/s"><BaseUnit s="-1" rad="1"/></Unit><Unit name="1"><BaseUnit/></Unit>'
+    '<Unit name="%"><BaseUnit factor="0.01"/></Unit></UnitDefinitions>'
 )
 
 
@@ -398,6 +409,7 @@ KINDS = (
         ("furlong", "furlong", 2.0),
         ("furlong", "m", 402.336),
         ("m", "s", "expected units of one kind, got m and s"),
+        ("%", "1", 0.02),
         ("rpm", "rad/s", "expected units of one kind, got rpm and rad/s"),
     ],
 )
@@ -528,6 +540,17 @@ def test_a_step_ends_at_an_announced_event():
     assert not any(begin < 0.35 - 1e-9 and end > 0.35 + 1e-9 for begin, end in spans)
 
 
+def test_an_fmu_that_ends_the_simulation_at_an_event_between_steps():
+    part = "if(m->t>0.35||m->i[2])*b=true"
+    variables = [integer("u", 100, "input"), Y, Variable("end", 102, "parameter", "Integer")]
+    a = fmu("a", variables, "3.0", flags='hasEventMode="true"', UPDATE=part)
+    b = fmu("b", [integer("y", 101)], OUT="m->i[1]=m->t>0.35")
+    results = run({"b": b, "a": a}, ["b.y -> a.u"])
+    assert results.time[-1] == 0.4 and "a: ends the" in results.summary["ended_early"]
+    with pytest.raises(StepFailed, match="ends the simulation at t = 0 s, before its first macro"):
+        run({"a": a}, parameters={"a": {"end": 1}})
+
+
 def test_no_events_where_the_case_does_not_use_them():
     a = fmu("a", version="3.0", flags=EVENTS)
     run({"a": a}, changes={"participants.a.event_mode": False})
@@ -612,6 +635,10 @@ def test_warnings_before_a_failed_start_are_reported(isolated, caplog):
     own = {"participants.a.isolated": isolated}
     with caplog.at_level("INFO", logger="piston_cosim"):
         assert refused({"a": fmu("a", ENTER=part)}, changes=own) == "participants.a, no file"
+        discards = part.replace("3", "2")
+        assert "status 2 (discard); no file" in refused(
+            {"a": fmu("a", ENTER=discards)}, changes=own
+        )
     assert "a: licence ends" in caplog.text
 
 
