@@ -77,9 +77,15 @@ def value_of(field, text):
     return value if field.type == "Real" else int(value)
 
 
+def item_numbers(field):
+    """Return the number of each item of an enumeration; models of this tool count from 1."""
+    items = getattr(field, "choices", {})
+    return items if isinstance(items, dict) else {name: k for k, name in enumerate(items, 1)}
+
+
 def items_of(field):
     """Return the items of an enumeration as the expected part of a sentence."""
-    return names_of(f"{name!r} ({value})" for name, value in field.choices.items())
+    return names_of(f"{name!r} ({value})" for name, value in item_numbers(field).items())
 
 
 def quantity_of(text, field, is_difference=False):

@@ -9,7 +9,7 @@ from ..fmi.fields import base_of
 from ..fmi.quantities import are_compatible, is_known, pint_unit, registry
 from ..participants.converted import Conversion, ConvertedParticipant
 from ..participants.table import TYPES, TableParticipant
-from .values import definition_of, is_relative, items_of, quantity_of
+from .values import definition_of, is_relative, item_numbers, items_of, quantity_of
 
 TOLERANCE = 1e-6
 """Tolerance of an unknown wire without a criterion, in nominal values."""
@@ -93,7 +93,8 @@ def give_types(tables, participants, faults):
 
 def check_items(field, values):
     """Raise `BadInput` for values that are not items of a field, if it is an enumeration."""
-    if field.choices and (others := values - set(field.choices.values())):
+    items = set(item_numbers(field).values())
+    if items and (others := values - items):
         raise BadInput(f"expected {items_of(field)} for {field.name}, got {min(others):g}")
 
 
@@ -118,7 +119,7 @@ def wire_of(table, participants, coupling, faults):
         faults.append(f"{where}: expected equal types, got {source.type} and {target.type}")
         return None
     with collecting(faults, f"{where}: "):
-        check_items(target, set(source.choices.values()))
+        check_items(target, set(item_numbers(source).values()))
     if source.shape != target.shape:
         faults.append(
             f"{where}: expected equal shapes, got {source.shape} and {target.shape}; "
