@@ -60,8 +60,8 @@ def value_of(field, text):
     if field.type == "Enumeration" and isinstance(text, str):
         if text not in field.choices:
             raise ValueError(unknown("choice", text, field.choices))
-        return field.choices[text]
-    if field.type == "Enumeration" and field.choices and text not in field.choices.values():
+        return item_numbers(field)[text]
+    if field.type == "Enumeration" and field.choices and text not in item_numbers(field).values():
         raise ValueError(f"expected {items_of(field)}, got {text!r}")
     is_whole = type(text) is int and field.type != "Real" and field.unit == "1"
     value = text if is_whole else quantity_of(text, field)  # 2^53 + 1 is not exact as a float

@@ -50,7 +50,7 @@ class LocalParticipant(StartedInHalves):
         if self.fields[name].type == "String":
             self.slave.string[self.slave.references[name]] = value
         else:
-            self.slave.views[name][...] = self.fields[name].number(value)
+            self.slave.views[name][...] = value
 
     def set_course(self, name, course):
         """Set an input and its derivatives at the beginning of the next step.

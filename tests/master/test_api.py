@@ -4,6 +4,7 @@ import doctest
 import inspect
 import re
 import sys
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -400,3 +401,27 @@ def test_a_file_that_imports_the_public_names_becomes_an_fmu(here):
         "print(simulate_fmu('twice.fmu', start_values={'x': 2.0}, stop_time=0.1)['y'][-1])"
     )
     assert script(code).strip() == "4.0"
+
+
+class Point(NamedTuple):
+    x: float
+
+
+class Law(pc.Slave):
+    name, description, state_type = "law", "output of a law", Point
+
+    def variables(self, options):
+        law = pc.variables.Variable("law", "1", "parameter", "law", "one", choices=("one", "two"))
+        return [law, pc.variables.Variable("y", "1", "output", "its number")]
+
+    def start(self, values):
+        return Point(0.0), {"y": 0.0}
+
+    def advance(self, state, values, time, step):
+        return state, {"y": {"one": 1.0, "two": 2.0}[values["law"]]}
+
+
+@pytest.mark.parametrize("law", ["two", 2])
+def test_a_choice_of_an_own_model_by_name_and_number(law, tmp_path):
+    case = pc.couple({"a": Law}, [], stop="1 s", step="1 s", parameters={"a": {"law": law}})
+    assert case.run(tmp_path / "o.h5").series("a.y").values[-1] == 2.0
