@@ -73,12 +73,14 @@ def _name(error: Any) -> str:
 def new_file(_type: Any, path: Path | None) -> None:
     """Create the folder of the file `path`; a validator of options.
 
-    Raises `ValueError` if this is impossible, or if `path` is a folder.
+    Raises `ValueError` if this is impossible, or if `path` is a folder or a results file.
     """
     if path is None:
         return
     if path.is_dir():
         raise ValueError(f"expected a file, got the folder {str(path)!r}")
+    if path.suffix == ".h5":
+        raise ValueError(f"expected no results file, which only a run writes, got {str(path)!r}")
     new_folder(_type, path.parent)
     path.parent.mkdir(parents=True, exist_ok=True)
 

@@ -157,6 +157,8 @@ SAID = {
     f"{SHEET} viscosity=nan": "viscosity: expected a finite number, got nan",
     f"{SHEET} native=yes": "native: expected true or false or a list, got 'yes'",
     f"{SHEET} piston.symmetric_film=1": "symmetric_film: expected true or false, got 1",
+    "results scalars good.h5 --output good.h5": "--output: expected no results file, which",
+    f"{SNAPSHOT[:-6]}good.h5 --time '1 ms'": "--output: expected no results file, which only",
     "run data_sheet --output ''": "--output: expected a value, got ''",
     "run data_sheet --output=": "--output: expected a value, got ''",
     "profile text.csv --output text.csv": "--output: expected another file than the profile",
