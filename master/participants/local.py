@@ -50,7 +50,8 @@ class LocalParticipant(StartedInHalves):
         if self.fields[name].type == "String":
             self.slave.string[self.slave.references[name]] = value
         else:
-            self.slave.views[name][...] = value
+            number = self.fields[name].number(value) if isinstance(value, str) else value
+            self.slave.views[name][...] = number
 
     def set_course(self, name, course):
         """Set an input and its derivatives at the beginning of the next step.
