@@ -157,7 +157,7 @@ def symmetry(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: 
                 reasons.append(f"build.inputs ({lower} may differ from {upper})")
     half = {}
     if has_image(built.grid, built.open_cells, built.surface):
-        half = {"film_symmetry": ("automatic", "thrust_plane")}
+        half = {"film_symmetry": "thrust_plane"}
     return Symmetry(reasons, half=half)
 
 

@@ -366,9 +366,9 @@ class Case(Table):
     """Run participants of packages as machine code: true for all, false for none, or a list of
     names. Default: all participants that have a prebuilt library.
     """
-    symmetric: bool | None = None
-    """Compute one half of films that are their own mirror image about the thrust plane: true
-    demands it, false switches it off. Default: films whose case is symmetric.
+    symmetric: Flag = False
+    """Compute one half of films that are their own mirror image about the thrust plane. A case
+    that is not symmetric is rejected.
     """
     record: Record = Field(default_factory=lambda: Record.model_validate({}))
     """Content of the results file."""

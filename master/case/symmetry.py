@@ -38,7 +38,7 @@ class Group(NamedTuple):
     claims: list[str]
     reasons: list[str]
     unknown: list[str]
-    halves: dict[str, Mapping[str, tuple[str, str]]]
+    halves: dict[str, Mapping[str, str]]
 
 
 def groups(
@@ -98,9 +98,9 @@ def symmetry_faults(case: Any, folder: Path, declared: Any) -> list[str]:
 def half_films(
     case: Any, folder: Path, declared: Any, builds: Mapping[str, Any], faults: list[str]
 ) -> dict[str, dict[str, str]]:
-    """Return the parameters of the films of which one half may be computed, by film.
+    """Return the parameters of the films of which a case demands one half, by film.
 
-    A group must be its own mirror image to round-off, and a film must not set these parameters.
+    A group must be its own mirror image to round-off.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def half_films(
     faults : list of str
         A fault is appended if the case demands halves and has none.
     """
-    if case.symmetric is False:
+    if not case.symmetric:
         return {}
     found = {}
     for group in groups(case, folder, declared, builds):
@@ -120,13 +120,10 @@ def half_films(
         if odd_bodies and not reasons:
             reasons = odd_bodies(builds[group.body], folder)
         if not reasons:
-            found |= {
-                film: {name: values[bool(case.symmetric)] for name, values in half.items()}
-                for film, half in group.halves.items()
-            }
-        elif case.symmetric:
+            found |= {film: dict(half) for film, half in group.halves.items()}
+        else:
             faults.append(rejection("symmetric", reasons))
-    if case.symmetric and not found and not faults:
+    if not found and not faults:
         faults.append(rejection("symmetric", ["no film of a known model with such a grid"]))
     return found
 

@@ -21,15 +21,14 @@ class Symmetry(NamedTuple):
         Keys that assume the symmetry.
     images : mapping of str to str
         Prefix of a film surface -> prefix of its mirror image, if that is another surface.
-    half : mapping of str to (str, str)
-        Parameters with which it computes one half only, name -> the values that allow and demand
-        it; empty if it cannot.
+    half : mapping of str to str
+        Parameters with which it computes one half only; empty if it cannot.
     """
 
     reasons: list[str]
     claims: list[str] = []
     images: Mapping[str, str] = {}
-    half: Mapping[str, tuple[str, str]] = {}
+    half: Mapping[str, str] = {}
 
 
 def thrust_image(n_circumferential: int) -> np.ndarray:

@@ -127,18 +127,17 @@ def half_films_of(changes):
     return found, faults
 
 
-HALF, DEMANDED = ({"ehd": {"film_symmetry": one}} for one in ("automatic", "thrust_plane"))
+HALF = {"ehd": {"film_symmetry": "thrust_plane"}}
 
 
 @pytest.mark.parametrize("changes", SYMMETRIC.values(), ids=SYMMETRIC)
 def test_half_of_a_symmetric_film_is_computed(changes):
-    assert half_films_of(changes) == (HALF, [])
-    assert half_films_of(changes | {"symmetric": True}) == (DEMANDED, [])
-    assert half_films_of(changes | {"symmetric": False}) == ({}, [])
+    assert half_films_of(changes | {"symmetric": True}) == (HALF, [])
+    assert half_films_of(changes) == ({}, [])
 
 
 @pytest.mark.parametrize("reason, changes", ASYMMETRIC.items(), ids=ASYMMETRIC)
-def test_an_asymmetric_film_is_computed_whole_unless_its_half_is_demanded(reason, changes):
+def test_half_of_an_asymmetric_film_is_rejected(reason, changes):
     assert half_films_of(changes) == ({}, [])
     _, (fault,) = half_films_of(changes | {"symmetric": True})
     assert fault.startswith("symmetric: ") and reason in fault

@@ -107,4 +107,4 @@ def built(case, folder, fmi):
         given = {**halves.get(name, {}), **tables[name].parameters}
         changes = {"package": None, "build": {}, "fmu": str(fmu), "parameters": given}
         tables[name] = tables[name].model_copy(update=changes)
-    return case.model_copy(update={"participants": tables, "symmetric": None})
+    return case.model_copy(update={"participants": tables, "symmetric": False})
