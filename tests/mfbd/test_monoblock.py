@@ -343,7 +343,7 @@ def test_build_tables_that_are_refused(change, told):
 
 
 def test_a_surface_that_the_mesh_lacks_is_rejected():
-    with pytest.raises(BadInput, match=r"block.msh.xz: surface 'bearing_4' is missing"):
+    with pytest.raises(BadInput, match=r"block.msh.xz: surface 'bearing_4': expected outer faces"):
         prepare(TABLE | {"bearings": 5}, MESH.parent, lambda text: None)
 
 
