@@ -290,9 +290,7 @@ def _compare(participant, terms, causalities, faults):
         for name, unit in variables.items():
             field = participant.fields.get(name)
             if field is None or field.causality not in causalities:
-                wanted = " or ".join(causalities)
-                article = "an" if wanted[0] in "io" else "a"
-                faults.append(f"{name}: expected {article} {wanted} [{unit}], got none")
+                faults.append(f"{name}: expected {' or '.join(causalities)} [{unit}], got none")
             elif field.unit != unit:
                 faults.append(f"{name}: expected unit {unit}, got {field.unit}")
             elif (len(field.shape) == 2) != (shape == "field"):
