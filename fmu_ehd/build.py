@@ -155,10 +155,8 @@ def symmetry(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: 
                 reasons.append(f"parameters.{lower} (differs from {upper})")
             elif {lower, upper} & {*built.inputs}:
                 reasons.append(f"build.inputs ({lower} may differ from {upper})")
-    half = {}
-    if has_image(built.grid, built.open_cells, built.surface):
-        half = {"film_symmetry": "thrust_plane"}
-    return Symmetry(reasons, half=half)
+    halves = has_image(built.grid, built.open_cells, built.surface)
+    return Symmetry(reasons, can_halve=halves)
 
 
 def library_oil(name: str | None, faults: list[str]) -> dict[str, float | str]:

@@ -5,7 +5,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compilable, compiled
-from ..master.fmi.symmetry import thrust_image
+from ..master.fmi.symmetry import first_odd, half_grid
 from . import step_parts as parts
 from .balance import oil_layer, openings
 from .balance.film_step import Domain
@@ -29,12 +29,6 @@ from .summary import Halves, halves
 # bearing, to the sliding velocity
 SHARE_OF_A_SKIRT = -0.5
 SHARE_OF_A_BEARING = 0.5
-
-LARGEST_ODD_PART = 1e-6
-"""Odd part of an input over its largest value, up to which half a film is computed [-].
-
-Round-off is far below. A skirt of 27 mm that tilts by 1e-7 rad exceeds it in a film of 1 mm.
-"""
 
 BY_FILM_FRACTION = 1 + friction.CAVITY_SHEAR.index("film_fraction")  # as in `parameters.Chosen`
 
@@ -88,11 +82,7 @@ def tables_of(open_cells: Flags, bearing: bool, mirrored: bool = False) -> Table
         thrust line and its last one on the anti-thrust line.
     """
     whole = len(open_cells)
-    rows = np.arange(whole)
-    first, last = 0, whole
-    if mirrored:
-        first, last = whole // 4, whole // 4 + whole // 2 + 1
-        rows = np.where((first <= rows) & (rows < last), rows, thrust_image(whole)) - first
+    first, last, rows = half_grid(whole) if mirrored else (0, whole, np.arange(whole))
     cells = np.ascontiguousarray(open_cells[first:last])
     return Tables(
         bearing,
@@ -176,37 +166,21 @@ def on_grid(tables: Tables, has_openings: bool, fields: Array) -> Array:
 
 
 @compilable
-def check_even(tables: Tables, field: Array, even: Array, fault: float, faults: Array) -> None:
+def check_even(tables: Tables, field: Array, fault: float, faults: Array) -> None:
     """Note a fault at the first cell where an input is not that of its mirror image.
 
     Parameters
     ----------
     tables : Tables
-    field, even : ndarray, shape (n_f, n_a), (n_c, n_a)
-        Input, and the same `on_grid`.
+    field : ndarray, shape (n_f, n_a)
     fault : float
         Number of its sentence.
     faults : ndarray
     """
-    _compare(tables.rows, tables.open_cells, field, even, fault, faults)
-
-
-@compiled
-def _compare(rows, open_cells, field, even, fault, faults):
-    """Note a fault as `check_even`."""
-    n_f, n_a = field.shape
-    largest = 0.0
-    for i in range(even.shape[0]):
-        for j in range(n_a):
-            largest = max(largest, abs(even[i, j]))
-    for k in range(n_f):
-        i = int(rows[k])
-        for j in range(n_a):
-            odd = field[k, j] - even[i, j]
-            if abs(odd) > LARGEST_ODD_PART * largest and not open_cells[i, j]:
-                row = k - n_f // 4  # as all noted rows, from the first one of the grid
-                refuse(faults, fault, row, j, field[k, j], even[i, j] - odd, 0.0)
-                return
+    if is_mirrored(tables):
+        i, j, k = first_odd(field, tables.rows, tables.open_cells)
+        if i >= 0:  # as all noted rows, from the first one of the grid
+            refuse(faults, fault, i - first_row(tables), j, field[i, j], field[k, j], 0.0)
 
 
 @compiled

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compilable
+from ..master.fmi.symmetry import THRUST_PLANE
 from .balance.grid import (
     FIRST,
     LAST,
@@ -32,12 +33,10 @@ from .oil import VISCOSITY_LAWS
 
 OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
 OPENING_SUPPLIES = ("lower_edge", "own")
-FILM_SYMMETRIES = ("none", "thrust_plane", "automatic")
 FULL_TURN = 2.0 * np.pi
 FROM_EDGES = 1 + OIL_SUPPLIES.index("edges")
 FROM_BORE_AND_RING = 1 + OIL_SUPPLIES.index("bore_and_ring")
 OWN_SUPPLY = 1 + OPENING_SUPPLIES.index("own")
-WHOLE, THRUST_PLANE, AUTOMATIC = range(1, 1 + len(FILM_SYMMETRIES))
 PATIR_CHENG_1978 = 1 + FLOW_FACTORS.index("patir_cheng_1978")
 """Numbers of choices as in `parameters.Chosen`."""
 MODELS = tuple(CAVITATION.values())

@@ -131,8 +131,8 @@ class LubricationModel:
         self._last = None  # a refused step has no tangent
         self._linear = None
         motion = film_thickness, sliding_velocity, circumferential_velocity
-        faults = none_yet()
-        inputs = self._inputs(motion, length, conditions, faults)
+        faults, odd = none_yet(), none_yet()
+        inputs = self._inputs(motion, length, conditions, odd)
         fixed = self.fixed
         begun = step.begin(fixed, state, inputs, faults)
         self._raise(faults)
@@ -140,6 +140,7 @@ class LubricationModel:
         self._raise(faults)
         ended = step.end(fixed, state, inputs, begun, solved, faults)
         self._raise(faults)
+        self._raise(odd)  # what an odd part stems from is reported first
         self.remark = remark_of(faults, FAULTS)
         self._last = ended.last
         outputs = self._outputs(ended.fields, ended.scalars, ended.iterations)
@@ -246,10 +247,8 @@ class LubricationModel:
 
     def _input(self, field: Any, fault: float, faults: Array) -> Array:
         """Return an input on the grid; note the fault of this number if it is not symmetric."""
-        even = self._on_grid(field)[0]
-        if constants.is_mirrored(self._tables):
-            constants.check_even(self._tables, np.asarray(field, float), even, fault, faults)
-        return even
+        constants.check_even(self._tables, np.asarray(field, float), fault, faults)
+        return self._on_grid(field)[0]
 
     def _on_grid(self, fields: Any) -> Array:
         """Return fields of the film, (n_f, n_a) or (m, n_f, n_a), as (m, n_c, n_a) on the grid."""

@@ -25,10 +25,11 @@ from ..master.fmi.compiled import compilable, compiled, packed
 from ..master.fmi.native_parts import NativePart, positions_of, put_each, tell_size
 from ..master.fmi.noted import ROOM
 from ..master.fmi.slave import PRODUCT, SEED
+from ..master.fmi.symmetry import AUTOMATIC, THRUST_PLANE, WHOLE
 from . import constants, contradictions, step, step_tangent
 from .balance.grid import Array, keep
 from .balance.oil_layer import NO_EDGE
-from .contradictions import AUTOMATIC, FROM_EDGES, FULL_TURN, THRUST_PLANE, WHOLE
+from .contradictions import FROM_EDGES, FULL_TURN
 from .faults import FAULT, FAULTS, count_rows_from, refuse
 from .options import BuildOptions
 from .parameters import CHOICES, CHOSEN, NUMBERS, TUNABLE, Chosen, Numbers, has_image
@@ -253,10 +254,8 @@ def _input(real, tables, place, has_openings, fault, faults):
     """Return an input field on the grid; note the fault of this number if it is not symmetric."""
     n_f, n_a = len(tables.rows), tables.open_cells.shape[1]
     field = _field(real, place, (n_f, n_a))
-    even = constants.on_grid(tables, has_openings, field.reshape((1, n_f, n_a)))[0]
-    if constants.is_mirrored(tables):
-        constants.check_even(tables, field, even, fault, faults)
-    return even
+    constants.check_even(tables, field, fault, faults)
+    return constants.on_grid(tables, has_openings, field.reshape((1, n_f, n_a)))[0]
 
 
 @compiled
@@ -408,9 +407,8 @@ def _advance(real, integer, memory, numbers):
     if faults[0] > 0.0:
         return
     fixed = constants_of(setup, True)
-    inputs = inputs_of(real, setup, fixed.domain.has_openings, numbers[0], faults)
-    if faults[0] > 0.0:
-        return
+    odd = np.zeros(ROOM)
+    inputs = inputs_of(real, setup, fixed.domain.has_openings, numbers[0], odd)
     if not is_memory(parts.state, parts.begun):
         refuse(faults, FAULT.other_state, 0, 0, 0.0, 0.0, 0.0)
         return
@@ -422,6 +420,8 @@ def _advance(real, integer, memory, numbers):
     if faults[0] > 0.0:
         return
     ended = step.end(fixed, before, inputs, begun, solved, faults)
+    if faults[0] == 0.0 and odd[0] > 0.0:
+        keep(faults, odd)
     if faults[0] > 0.0:
         return
     put_memory(parts.state, ended.memory)

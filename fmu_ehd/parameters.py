@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..master.fmi.noted import none_yet, sentences_of
-from ..master.fmi.symmetry import odd_part
+from ..master.fmi.symmetry import FILM_SYMMETRIES, odd_part
 from .balance.grid import Flags
 from .contradictions import (
-    FILM_SYMMETRIES,
     FULL_TURN,
     OIL_SUPPLIES,
     OPENING_SUPPLIES,

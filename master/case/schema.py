@@ -366,9 +366,10 @@ class Case(Table):
     """Run participants of packages as machine code: true for all, false for none, or a list of
     names. Default: all participants that have a prebuilt library.
     """
-    symmetric: Flag = False
-    """Compute one half of films that are their own mirror image about the thrust plane. A case
-    that is not symmetric is rejected.
+    symmetric: Flag | None = None
+    """Compute one half of films that are their own mirror image about the thrust plane: true
+    rejects cases that are not symmetric, false computes whole films. Default: halves in symmetric
+    cases.
     """
     record: Record = Field(default_factory=lambda: Record.model_validate({}))
     """Content of the results file."""

@@ -30,15 +30,15 @@ class Group(NamedTuple):
         Why the group is not its own mirror image; empty if it is, as far as known.
     unknown : list of str
         Films whose models do not report their symmetry.
-    halves : dict of str to Mapping
-        Film -> parameters with which it computes one half only, `Symmetry.half`.
+    halves : list of str
+        Participants that can compute one half, `Symmetry.can_halve`.
     """
 
     body: str
     claims: list[str]
     reasons: list[str]
     unknown: list[str]
-    halves: dict[str, Mapping[str, str]]
+    halves: list[str]
 
 
 def groups(
@@ -69,19 +69,20 @@ def groups(
             continue
         surfaces = {name: other.surface for name, other in films.items() if other.owner == body}
         reasons = [f"participants.{body}.{line}" for line in own.reasons]
-        unknown, halves = [], {}
+        unknown, halves = [], []
         for name in surfaces:
             found = symmetry(name)
             if found is None:
                 unknown.append(name)
             else:
-                halves |= {name: found.half} if found.half else {}
+                halves += [name] if found.can_halve else []
                 reasons += [f"participants.{name}.{line}" for line in found.reasons]
         reasons += _differing(case, surfaces, own.images)
         for name in (body, *surfaces):
             reasons += _fields_from_outside(case, declared, name, {body, *surfaces})
         claims = [f"participants.{body}.build.{one}" for one in own.claims]
         claims += ["symmetric"] if case.symmetric else []
+        halves += [body] if own.can_halve and halves else []
         yield Group(body, claims, reasons, unknown, halves)
 
 
@@ -98,9 +99,11 @@ def symmetry_faults(case: Any, folder: Path, declared: Any) -> list[str]:
 def half_films(
     case: Any, folder: Path, declared: Any, builds: Mapping[str, Any], faults: list[str]
 ) -> dict[str, dict[str, str]]:
-    """Return the parameters of the films of which a case demands one half, by film.
+    """Return the parameters of the participants that compute one half, by participant.
 
-    A group must be its own mirror image to round-off.
+    A group must be its own mirror image to round-off. If the case does not demand halves, films
+    with a field input that no wire feeds are computed whole, because users of an exported FMU may
+    set it to any values.
 
     Parameters
     ----------
@@ -109,21 +112,25 @@ def half_films(
     faults : list of str
         A fault is appended if the case demands halves and has none.
     """
-    if not case.symmetric:
+    if case.symmetric is False:
         return {}
+    choice = "thrust_plane" if case.symmetric else "automatic"
     found = {}
     for group in groups(case, folder, declared, builds):
         if group.unknown or not (group.halves or group.reasons):
             continue
-        odd_bodies = part_function(case.participants[group.body].package, "odd_bodies")
         reasons = group.reasons
+        if not case.symmetric:
+            films = [name for name in group.halves if name != group.body]
+            reasons = reasons + _free_fields(case, declared, films)
+        odd_bodies = part_function(case.participants[group.body].package, "odd_bodies")
         if odd_bodies and not reasons:
             reasons = odd_bodies(builds[group.body], folder)
         if not reasons:
-            found |= {film: dict(half) for film, half in group.halves.items()}
-        else:
+            found |= {name: {"film_symmetry": choice} for name in group.halves}
+        elif case.symmetric:
             faults.append(rejection("symmetric", reasons))
-    if not found and not faults:
+    if case.symmetric and not found and not faults:
         faults.append(rejection("symmetric", ["no film of a known model with such a grid"]))
     return found
 
@@ -147,6 +154,17 @@ def _differing(case, surfaces, images):
         if name < other and (first.build, first.parameters) != (second.build, second.parameters):
             found.append(f"participants.{other} (differs from {name}, its mirror image)")
     return found
+
+
+def _free_fields(case, declared, films):
+    """Return the field inputs of films that no wire feeds."""
+    fed = {(owner, base_of(name)) for owner, name in (port_of(w.target) for w in case.wires)}
+    return [
+        f"participants.{film}.{name}"
+        for film in films
+        for name, field in declared.participants[film].fields.items()
+        if field.causality == "input" and field.shape and (film, name) not in fed
+    ]
 
 
 def _fields_from_outside(case, declared, name, group):
