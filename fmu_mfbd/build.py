@@ -175,7 +175,9 @@ def symmetry(options: dict[str, Any], parameters: dict[str, Any], folder: Path) 
     build = read_options(options, folder)
     tables = read_tables(build)
     reasons = asymmetries(build, tables.skirt, tables.bore, parameters.get("pin_tilt", 0.0))
-    return Symmetry(reasons, claims(build), IMAGES if build.floating_pin else {})
+    in_plane = not (build.motion_in_space or build.block and build.block.bore_from_outside)
+    can_halve = in_plane and build.grid[0] % 2 == 0
+    return Symmetry(reasons, claims(build), IMAGES if build.floating_pin else {}, can_halve)
 
 
 def odd_bodies(options: dict[str, Any], folder: Path) -> list[str]:

@@ -4,6 +4,7 @@ The entries compose the kernels and functions of `dynamics`, as `model` does.
 """
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -28,6 +29,7 @@ from ..master.fmi.errors import BadInput
 from ..master.fmi.native_parts import NativePart, get_each, positions_of, put_each, tell_size
 from ..master.fmi.noted import ROOM, refuse, remark
 from ..master.fmi.slave import PRODUCT, SEED
+from ..master.fmi.symmetry import AUTOMATIC, WHOLE
 from .dynamics.assembly import (
     BodySetup,
     assembled,
@@ -41,6 +43,7 @@ from .dynamics.carrier import FIXED, carrier_from
 from .dynamics.contradictions import FAULT, FAULTS, check
 from .dynamics.drive import Scalars
 from .dynamics.generalised_alpha import coefficients
+from .dynamics.half_films import check_even, check_half
 from .dynamics.model import MOTION
 from .dynamics.parameters import Parameters, Settings, settings_of
 from .dynamics.pin_coordinates import COORDINATES, layout, of_eye
@@ -76,12 +79,15 @@ from .dynamics.system import RingForce, StepProblem
 from .geometry.film import Limits, NodalForces
 from .geometry.pin import PinForces
 from .geometry.surfaces import are_films, are_pins
+from .native_fields import forces_at, put_films, put_stacked
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS
 
-CHOSEN_GAS, FREE = map(Settings._fields.index, ("gas_source", "crank_free"))
-"""Numbers of the settings that are integers."""
-NEEDS = Parameters(top_ring_height=1.0, bore_growth_lower=1.0)
-"""Parameters for which a memory has room: gas on the wall and a bore that grows."""
+INTEGERS = ("gas_source", "crank_free", "film_symmetry")
+"""Settings that are integers."""
+CHOSEN_GAS, FREE, SYMMETRY = map(Settings._fields.index, INTEGERS)
+"""Their numbers."""
+NEEDS = Parameters(top_ring_height=1.0, bore_growth_lower=1.0, film_symmetry="automatic")
+"""Parameters for which a memory has room: gas on the wall, a bore that grows, and half films."""
 
 
 def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
@@ -158,6 +164,7 @@ class VariablePlaces(NamedTuple):
     pin_scalars: Annotated[np.ndarray, f"{len(PinScalars._fields)}", EACH]
     gas_source: Count
     crank_free: Count
+    film_symmetry: Count
     crank_speed: Place
     inputs: Annotated[np.ndarray, f"{len(StepInputs._fields) - len(FIELDS)}", EACH]
     rings: OfRings
@@ -249,7 +256,7 @@ def given(slave: Any) -> np.ndarray:
     if wrong := body_faults(bodies, options):
         raise BadInput(wrong)
     setup = setup_of(bodies, options, NEEDS)
-    model = assembled(setup, settings_of(NEEDS))
+    model = assembled(setup, settings_of(replace(NEEDS, film_symmetry="none")))
     n = coordinates_of(model)
     begin = options.start
     given = NativeSetup(
@@ -283,14 +290,13 @@ def _places(slave) -> VariablePlaces:
             cells=np.array([np.prod(film.shape) for film in films], dtype=float),
         )
 
-    integers = "gas_source", "crank_free"
     skirt, pins = slave.built.film_grids(), slave.built.pin_grids()
     of_tangent = SEED, SEED, PRODUCT, PRODUCT
     return VariablePlaces(
-        settings=each("" if name in integers else name for name in Settings._fields),
+        settings=each("" if name in INTEGERS else name for name in Settings._fields),
         scalars=each(Scalars._fields),
         pin_scalars=each(PinScalars._fields),
-        **{name: slave.references[name] for name in (*integers, "crank_speed")},
+        **{name: slave.references[name] for name in (*INTEGERS, "crank_speed")},
         inputs=each(name for name in StepInputs._fields if name not in FIELDS),
         rings=each(RINGS),
         rings_seed=each(RINGS, SEED),
@@ -339,6 +345,11 @@ def are_bodies(bodies: BodySetup, places: VariablePlaces, coordinates: int):
         coordinates == (COORDINATES if floats else RIGID) + piston + modes
         and floats == fit.floats
         and are_films(bodies.surfaces, places.skirt.cells, piston, block, limits)
+        and len(bodies.half_surfaces) > 0
+        and (
+            bodies.half_surfaces[0] == 0.0
+            or are_films(bodies.half_surfaces, places.skirt.cells, piston, block, limits)
+        )
         and are_pins(bodies.pin_surfaces, places.pins.cells, most)
     )
 
@@ -362,52 +373,6 @@ def is_sound(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
 
 
 # ---- a step
-
-
-@compiled
-def stacked(real, first, size):
-    """Return variables from a position on."""
-    return real[int(first) : int(first) + int(size)]
-
-
-@compiled
-def gathered(real, begins, cells):
-    """Return a field of all film surfaces, their cells one after another."""
-    field = np.empty(int(cells.sum()))
-    first = 0
-    for s in range(len(cells)):
-        keep(stacked(field, first, cells[s]), stacked(real, begins[s], cells[s]))
-        first += int(cells[s])
-    return field
-
-
-@compiled
-def scatter(real, begins, cells, field):
-    """Write a stacked field into the variables of all film surfaces."""
-    first = 0
-    for s in range(len(cells)):
-        keep(stacked(real, begins[s], cells[s]), stacked(field, first, cells[s]))
-        first += int(cells[s])
-
-
-@compiled
-def put_stacked(real, first, values):
-    """Put an array into the variables from a position on."""
-    keep(stacked(real, first, len(values)), values)
-
-
-@compiled
-def forces_at(real, places):
-    """Return normal and tangential forces of films, or their seeds."""
-    push = gathered(real, places.push, places.cells)
-    return push, gathered(real, places.drag, places.cells)
-
-
-@compiled
-def put_films(real, places, thickness, sliding):
-    """Write the motion of all films into the variables, or its products."""
-    scatter(real, places.thickness, places.cells, thickness)
-    scatter(real, places.sliding, places.cells, sliding)
 
 
 @compiled
@@ -484,6 +449,9 @@ def solve(real, integer, memory, c, before, crank, time):
     now = instant.now
     if now.evaluations == 0:
         refuse(faults, FAULT.not_solved, 0.0, 0.0, crank.angle, now.change, 0.0)
+    else:
+        check_even(model.parts.system.surfaces, inputs.skirt, faults)
+    if faults[0] > 0.0:
         return
     result = result_of(model, before, step, time, instant, inputs)
     publish(real, integer, given, model, result)
@@ -511,12 +479,21 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     numbers_of_settings = get_each(real, given.places.settings)
     numbers_of_settings[CHOSEN_GAS] = float(integer[given.places.gas_source])
     numbers_of_settings[FREE] = float(integer[given.places.crank_free])
+    numbers_of_settings[SYMMETRY] = float(integer[given.places.film_symmetry])
     p = settings_from(numbers_of_settings)
     lacks_gas = p.gas_source == GAS.table and len(given.bodies.gas.angle) == 0
     check(given.bodies.fit, p, lacks_gas, faults)
+    check_half(given.bodies.half_surfaces, p, faults)
     if faults[0] > 0.0:
         return
     model = assembled(given.bodies, p)
+    if p.film_symmetry == AUTOMATIC:
+        odd = np.zeros(ROOM)
+        forces = inputs_of(real, given.places).skirt
+        check_even(model.parts.system.surfaces, forces, odd)
+        if odd[0] > 0.0:
+            numbers_of_settings[SYMMETRY] = WHOLE
+            model = assembled(given.bodies, settings_from(numbers_of_settings))
     if has_pins(model):
         model = with_inertia(model)
     if length_of_model(model) > len(parts.model):

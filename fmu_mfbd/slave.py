@@ -1,5 +1,6 @@
 """The body FMU: a table of variables and a step."""
 
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -21,6 +22,7 @@ from .dynamics.model import (
     Inputs,
     MotionNotSolved,
     PistonInBore,
+    stacked,
 )
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
@@ -109,6 +111,11 @@ class Mfbd(FieldSlave):
         if wrong := faults(bodies, options, parameters, own):
             raise BadInput(wrong)
         self.model = model_of(bodies, options, parameters, own)
+        if parameters.film_symmetry == "automatic" and self.model.odd_forces(
+            stacked(self._inputs(values))
+        ):
+            whole = replace(parameters, film_symmetry="none")
+            self.model = model_of(bodies, options, whole, own)
         self._damping = Damping(*(values[name] for name in TUNABLE))
         try:
             state, outputs = self._begin(self.model, parameters, values)

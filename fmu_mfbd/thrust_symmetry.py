@@ -13,18 +13,14 @@ from ..master.fmi.quantities import short
 from ..master.fmi.symmetry import odd_part
 from .body_options import Block, Piston
 from .dynamics.clearance import measured
+from .dynamics.half_films import ODD_MODE, ODD_SHAPE, mirror_error, on_cells
 from .geometry.grid import cell_centres
 from .geometry.profile import BoreOrder, MeasuredShape, fourier_bore
 from .options import Bodies, Build
 from .reduction.reduced_body import ReducedBlock, ReducedBody, ReducedPiston, load
 
-ODD_SHAPE = 1e-9
-"""Odd part of a profile or a bore that is round-off [m]: the tolerance of film thickness in a
-coupling."""
 ODD_COMPLIANCE = 0.01
 """Relative asymmetry of a surface's compliance, half of the limit of a film's odd part."""
-ODD_MODE = 1e-6
-"""Odd part of a mode that is round-off, relative to the mode."""
 IMAGES = {"boss_left.": "boss_right.", "boss_right.": "boss_left."}
 """Film surfaces that are mirror images of each other."""
 
@@ -128,34 +124,9 @@ def asymmetries_of_bodies(
     return found
 
 
-def mirror_error(body: ReducedBody, around: int) -> float:
-    """Return how much the compliance of a body's surface differs from its mirror image [-].
-
-    Eq. (J48):  |C - M C M| / |C|,   C = A A^T,   A = R Phi Omega^-1
-                |C - M C M|^2 = 2 |A^T A|^2 - 2 |A^T M A|^2      Frobenius norms
-
-    M is the mirror image about the thrust plane. The result is 0 for a rigid body.
-    """
-    answer = _on_cells(body, around) / body.omega
-    if not answer.size:
-        return 0.0
-    image = answer - 2 * odd_part(answer)
-    whole, mirrored = (
-        float((np.tensordot(answer, one, ([0, 1], [0, 1])) ** 2).sum()) for one in (answer, image)
-    )
-    return float(np.sqrt(max(0.0, 2 * (1 - mirrored / whole))))  # Eq. (J48)
-
-
 def only_even(body: ReducedBody, around: int) -> bool:
     """Return whether a body has modes, and all of them are even about the thrust plane."""
-    modes = _on_cells(body, around)
+    modes = on_cells(body, around)
     odd = np.linalg.norm(odd_part(modes), axis=(0, 1))
     size = np.linalg.norm(modes, axis=(0, 1))
     return bool(odd.size and (odd <= ODD_MODE * size).all())
-
-
-def _on_cells(body: ReducedBody, around: int) -> np.ndarray:
-    """Return the radial displacement of the modes, (c, a, k)."""
-    count = len(body.omega)
-    rows = body.radial.size // (around * count) if count else 0
-    return body.radial.reshape(around, rows, count)

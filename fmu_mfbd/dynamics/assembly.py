@@ -1,13 +1,16 @@
 """From reduced bodies and parameters to the model that runs."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ...master.fmi.compiled import compilable
+from ...master.fmi.errors import BadInput
 from ...master.fmi.noted import none_yet, sentences_of
+from ...master.fmi.symmetry import FILM_SYMMETRIES
+from ..geometry.film import FilmSurface
 from ..geometry.grid import film_rows
 from ..geometry.pin import PinSurface, ShellModes, pin_surface, relieved, shell_modes
 from ..geometry.pin_shapes import AxisShapes, Beam, HollowPin, free_beam
@@ -28,6 +31,7 @@ from .clearance import machined, surfaces
 from .contradictions import FAULT, FAULTS, Fit, check, pin_radius
 from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, bore_wall
+from .half_films import check_half, half_films, is_halved
 from .modal_damping import ModalSprings, modal_springs
 from .model import PistonInBore
 from .motion_in_space import SpaceBodies, SpaceBody, Stop
@@ -129,6 +133,8 @@ class BodySetup(NamedTuple):
         Angular frequencies of all modes [rad/s].
     surfaces, pin_surfaces : ndarray
         Films of the skirt before `clearance.machined`, and of pin and crank before `pin_films`.
+    half_surfaces : ndarray
+        One half of those of the skirt, without surfaces if there is none.
     """
 
     fit: Fit
@@ -146,19 +152,24 @@ class BodySetup(NamedTuple):
     big_end_modes: Annotated[int, "x >= 0"]
     main_bearing_modes: Annotated[int, "0 <= x <= shell_modes - big_end_modes"]
     surfaces: Annotated[np.ndarray, "n", "True"]
+    half_surfaces: Annotated[np.ndarray, "n_half", "True"]
     pin_surfaces: Annotated[np.ndarray, "n", "True"]
 
 
 def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) -> BodySetup:
     """Return what no parameter changes.
 
-    `needs` are parameters that decide what exists: gas on the wall if there is a top ring, and a
-    table for the widening of the bore if it grows.
+    `needs` are parameters that decide what exists: gas on the wall if there is a top ring, a table
+    for the widening of the bore if it grows, and half films if they may be chosen.
     """
     piston, block, bosses, shells = bodies
     films = surfaces(piston, block, options)
     if needs.bore_growth_lower or needs.bore_growth_upper or options.block.bore_from_outside:
         films = with_room(films, len(block.heights))
+    half: Sequence[FilmSurface] = ()
+    in_plane = not (options.in_space or options.block.bore_from_outside)
+    if needs.film_symmetry != FILM_SYMMETRIES[0] and in_plane:
+        half = half_films(films, (piston, block))
     contiguous = np.ascontiguousarray
     return BodySetup(
         fit=fit_of(bodies, options, bodies.radii()),
@@ -187,6 +198,7 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
         big_end_modes=len(shells["big_end"].omega) if "big_end" in shells else 0,
         main_bearing_modes=len(shells["main_bearing"].omega) if "main_bearing" in shells else 0,
         surfaces=in_block(films),
+        half_surfaces=in_block(half),
         pin_surfaces=pins_in_block(pin_surfaces(options, bosses, shells)),
     )
 
@@ -195,6 +207,7 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
 def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     """Return the model for these parameters, without the inertia of a floating pin."""
     fit, body, wall = setup.fit, setup.piston, setup.wall
+    films = setup.half_surfaces if is_halved(setup.half_surfaces, p) else setup.surfaces
     springs = modal_springs(setup.piston_omega, p)
     k = moving_modes(setup.piston_omega, p)
     on_block = modal_springs(setup.block_omega, p)
@@ -218,7 +231,7 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         ModalSprings(on_block.stiffness[:m], on_block.damping[:m]),
         standing(on_block.stiffness[m:]),
         mechanism(fit.piston_radius, fit.pin_offset, p),
-        machined(setup.surfaces, fit, p),
+        machined(films, fit, p),
         fit.pin_offset,
         setup.gas_force,
         BoreWall(
@@ -307,9 +320,18 @@ def assemble(
 ) -> PistonInBore:
     """Return the model of a piston on a tied pin."""
     setup = setup_of(ReducedBodies(piston, block), options, parameters)
-    model = assembled(setup, settings_of(parameters))
+    model = _checked_model(setup, settings_of(parameters))
     tied = model.parts._replace(surfaces=pins_in_block(()))
     return _in_bore(model._replace(parts=tied), block, options)
+
+
+def _checked_model(setup: BodySetup, p: Settings) -> BodyModel:
+    """Return the model; raise `BadInput` if one half of its films is demanded and none exists."""
+    noted = none_yet()
+    check_half(setup.half_surfaces, p, noted)
+    if wrong := sentences_of(noted, FAULTS):
+        raise BadInput(wrong)
+    return assembled(setup, p)
 
 
 def _in_bore(model: BodyModel, block: ReducedBlock, options: BuildOptions) -> PistonInBore:
@@ -343,7 +365,7 @@ def assemble_floating(
     axis = own.axis
     setup = setup_of(bodies, options, parameters)
     beam = None
-    model = assembled(setup, settings_of(parameters, own.pin, *own.crank.values()))
+    model = _checked_model(setup, settings_of(parameters, own.pin, *own.crank.values()))
     if axis:
         parts = model.parts
         beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)

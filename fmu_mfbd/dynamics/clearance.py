@@ -52,6 +52,7 @@ def surfaces(
                 options.piston.pin_offset,
                 modal_field(radial[:, rows], classes),
                 modal_field(axial[:, rows], classes),
+                np.arange(len(angle), dtype=float),
             ),
             one_bore,
         )

@@ -23,6 +23,10 @@ TURN = 721
 """Crank angles of a turn at which the skirt has to be in the bore."""
 
 OTHER_FRICTION = "{name}: expected 0 with a floating pin, got {{a}}; its films have the friction"
+ODD_FORCE = (
+    "[{i},{j}]: expected {b} N as in the mirror image with film_symmetry = thrust_plane, got {a} "
+    "N; set film_symmetry = none"
+)
 NO_ROD = "{name}: expected more than 0 {unit} with a film in {films}, got 0 {unit}"
 SENTENCES = {
     "rod_too_short": "rod_length: expected more than crank_radius plus the offsets, {b} m, "
@@ -55,6 +59,10 @@ SENTENCES = {
     "tilted": "pin_tilt: expected 0 rad with modes of a symmetric film, got {a} rad; use modes "
     "with symmetric_film = false",
     "other_state": DAMAGED_STATE,
+    "no_half": "film_symmetry: expected none for films or bodies that differ from their mirror "
+    "image, and with pin_tilt = {a} rad, got thrust_plane",
+    "odd_pressure_force": "nodal_pressure_force" + ODD_FORCE,
+    "odd_friction_force": "nodal_friction_force" + ODD_FORCE,
 } | {
     f"no_{name}_{k}": NO_ROD.format(name=name, unit=unit, films=films)
     for name, unit in (("rod_mass", "kg"), ("rod_inertia", "kg.m2"))

@@ -7,6 +7,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from ...master.fmi.noted import none_yet, sentences_of
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import each_of, each_pin_of
@@ -16,6 +17,7 @@ from .build_options import BuildOptions, FilmGrid
 from .carrier import FIXED, Carrier
 from .contradictions import FAULTS
 from .generalised_alpha import Coefficients, coefficients
+from .half_films import check_even
 from .modal_damping import modal_springs
 from .parameters import Damping, Parameters
 from .pin_coordinates import layout, of_eye
@@ -270,7 +272,7 @@ class PistonInBore:
     ) -> tuple[PistonState, dict]:
         """Return state and outputs that solve the equations of motion a step after `before`."""
         self._reject_unused(inputs)
-        given = _stacked(inputs)
+        given = stacked(inputs)
         others = others_at(self.model, given, crank)
         step = StepProblem(c, motion_of(before), before.auxiliary, crank, others)
         instant = self._instant(step, given, inputs)
@@ -280,6 +282,8 @@ class PistonInBore:
                 f"piston motion at crank angle {crank.angle:.6g} rad: Newton's method finds no "
                 f"accelerations; their last relative change is {now.change:.3g} (nan: diverged)"
             )
+        if odd := self.odd_forces(given):
+            raise MotionNotSolved("; ".join(odd))
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += now.tangents
         result = result_of(self.model, before, step, time, instant, given)
@@ -296,8 +300,14 @@ class PistonInBore:
 
     def warning(self, inputs: Inputs) -> str:
         """Return the warning about inputs that add up or have no effect, empty without one."""
-        number = warning_of(self.model, _stacked(inputs))
+        number = warning_of(self.model, stacked(inputs))
         return FAULTS[int(number)] if number >= 0.0 else ""
+
+    def odd_forces(self, given: StepInputs) -> list[str]:
+        """Return faults of forces on half films that are not their own mirror image."""
+        noted = none_yet()
+        check_even(self.system.surfaces, given.skirt, noted)
+        return sentences_of(noted, FAULTS)
 
     def _reject_unused(self, inputs: Inputs) -> None:
         """Raise ValueError for inputs that this mechanism would ignore."""
@@ -397,7 +407,7 @@ class PistonInBore:
         model, last = self.model, self._last
         given = Inputs(0.0, 0.0, pressure_force, friction_force, rings, pins=pins)
         self._reject_unused(replace(given, carrier=Carrier(*carried)))
-        seeds = _stacked(given)
+        seeds = stacked(given)
         found = self._response(seeds, carried)
         change = found.change
         products = {
@@ -447,7 +457,7 @@ def by_film(grids: tuple[FilmGrid, ...], name: str, stacked: np.ndarray) -> dict
     return fields
 
 
-def _stacked(inputs: Inputs) -> StepInputs:
+def stacked(inputs: Inputs) -> StepInputs:
     """Return inputs for kernels, their films one after another."""
     none = [np.zeros(0)] * len(PinForces._fields)
     fields = ([np.ravel(one) for one in field] for field in zip(*inputs.pins))

@@ -4,6 +4,8 @@ from collections import namedtuple
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from ...master.fmi.symmetry import FILM_SYMMETRIES
+
 
 def _declared(
     unit: str,
@@ -172,6 +174,15 @@ class Parameters:
             choices=GAS_SOURCES,
         ),
     )
+    film_symmetry: str = field(
+        default=FILM_SYMMETRIES[0],
+        metadata=dict(
+            unit="1",
+            description="Compute one half of the skirt's films: thrust_plane for forces that are "
+            "symmetric about that plane; automatic if bodies and forces at the start are so",
+            choices=FILM_SYMMETRIES,
+        ),
+    )
     crank_unbalance: float = _declared(
         "kg.m",
         "Mass times distance of the crank towards its pin; negative with "
@@ -299,6 +310,8 @@ class MainBearingParameters:
 CRANK_PARAMETERS = {"big_end": BigEndParameters, "main_bearing": MainBearingParameters}
 """Surface of the crank -> its parameters."""
 
+CHOICES = {"gas_source": GAS_SOURCES, "film_symmetry": FILM_SYMMETRIES}
+"""Values of the parameters that are choices, which kernels know by their numbers from 1 on."""
 DECLARED = (Parameters, PinParameters, *CRANK_PARAMETERS.values())
 Settings = namedtuple("Settings", (one.name for kind in DECLARED for one in fields(kind)))
 Settings.__annotations__ = dict.fromkeys(Settings._fields, float)
@@ -308,7 +321,8 @@ Settings.__annotations__ = dict.fromkeys(Settings._fields, float)
 def settings_of(*chosen: Any) -> Settings:
     """Return all parameters of the given classes as numbers, those of other classes as 0."""
     values = {name: value for one in chosen for name, value in vars(one).items()}
-    values["gas_source"] = 1 + GAS_SOURCES.index(values["gas_source"])
+    for name, choices in CHOICES.items():
+        values[name] = 1 + choices.index(values[name])
     return Settings(*(float(values.get(name, 0.0)) for name in Settings._fields))
 
 

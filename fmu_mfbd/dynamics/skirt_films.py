@@ -37,12 +37,49 @@ class Change(NamedTuple):
 
 
 @compiled
+def cells_of(surface: FilmSurface) -> int:
+    """Return the number of cells of a film, of which the grid may have half."""
+    return len(surface.skirt.rows) * len(surface.skirt.height)
+
+
+@compiled
+def field_of(surface: FilmSurface, stacked: np.ndarray, first: int) -> np.ndarray:
+    """Return a surface's part of a stacked field, which begins with `first`, (n, a)."""
+    last = first + cells_of(surface)
+    return stacked[first:last].reshape((len(surface.skirt.rows), len(surface.skirt.height)))
+
+
+@compiled
+def _on_grid(surface, force):
+    """Return the forces on the grid, sums over both images of a cell, from those on the film."""
+    rows = surface.skirt.rows
+    c, a = surface.skirt.gap.shape
+    if len(rows) == c:
+        return force
+    out = np.zeros((c, a))
+    for k in range(len(rows)):
+        i = int(rows[k])
+        for j in range(a):
+            out[i, j] += force[k, j]
+    return out
+
+
+@compiled
 def _nodal(surface, forces, first):
     """Return a surface's part of stacked forces, which begins with `first`, on its grid."""
-    shape = surface.skirt.gap.shape
-    last = first + surface.skirt.gap.size
-    pressure = forces.pressure[first:last].reshape(shape)
-    return NodalForces(pressure, forces.friction[first:last].reshape(shape))
+    pressure = _on_grid(surface, field_of(surface, forces.pressure, first))
+    return NodalForces(pressure, _on_grid(surface, field_of(surface, forces.friction, first)))
+
+
+@compiled
+def _stack_film(stacked, first, surface, field):
+    """Put a field on a surface's grid at its place among those of all films, on all cells."""
+    rows = surface.skirt.rows
+    columns = field.shape[1]
+    for k in range(len(rows)):
+        i = int(rows[k])
+        for j in range(columns):
+            stacked[first + k * columns + j] = field[i, j]
 
 
 @compiled
@@ -100,7 +137,7 @@ def forces_by_film(system: BodySystem, guided: float, forces: NodalForces) -> Fi
             parts.piston[s, k] = part.piston[k]
         for k in range(of_block):
             parts.block[s, k] = part.block[k]
-        first += surface.skirt.gap.size
+        first += cells_of(surface)
     return parts
 
 
@@ -211,11 +248,11 @@ def skirt_films(
             position,
             velocity,
         )
-        stack(thickness, first, film.film_thickness)
-        stack(sliding_velocity, first, film.sliding_velocity)
+        _stack_film(thickness, first, surface, film.film_thickness)
+        _stack_film(sliding_velocity, first, surface, film.sliding_velocity)
         errors[k] = work_error(part_of(parts, k), film, axial_velocity, guided.velocity, velocity)
         on_slopes += film.axial_force
-        first += surface.skirt.gap.size
+        first += cells_of(surface)
     return SkirtFilms(thickness, sliding_velocity, errors, on_slopes)
 
 
@@ -245,7 +282,7 @@ def skirt_changes(
     films = count_of(system.surfaces)
     cells = 0
     for s in range(films):
-        cells += surface_at(system.surfaces, s).skirt.gap.size
+        cells += cells_of(surface_at(system.surfaces, s))
     out = FilmChange(np.empty(cells), np.empty(cells))
     first = 0
     for s in range(films):
@@ -269,9 +306,9 @@ def skirt_changes(
             piston.velocity[RIGID:],
             block.velocity,
         )
-        stack(out.film_thickness, first, opened)
-        stack(out.sliding_velocity, first, slid)
-        first += surface.skirt.gap.size
+        _stack_film(out.film_thickness, first, surface, opened)
+        _stack_film(out.sliding_velocity, first, surface, slid)
+        first += cells_of(surface)
     return out
 
 

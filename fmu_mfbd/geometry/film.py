@@ -16,6 +16,10 @@ from .modal_field import ModalField, is_field, modal_field, read, read_both, spr
 class Skirt(NamedTuple):
     """Skirt side of the film, c x a grid cells.
 
+    They are the film, n = c, or half of it, n > c. The normal and axial forces on a cell of half a
+    film are the sums over the cell and its mirror image, so that sums over all cells are those of
+    the film.
+
     Parameters
     ----------
     angle : ndarray, shape (c,)
@@ -28,6 +32,8 @@ class Skirt(NamedTuple):
         Skirt radius; x of A from the skirt's axis [m].
     radial, axial : ModalField
         Modal displacement outwards and along y at the grid points, with a rows.
+    rows : ndarray, shape (n,)
+        Row of the grid for each row of the film.
     """
 
     angle: Annotated[np.ndarray, "c"]
@@ -37,6 +43,7 @@ class Skirt(NamedTuple):
     pin_offset: float
     radial: ModalField
     axial: ModalField
+    rows: Annotated[np.ndarray, "n", "within(x, 0.0, c)"]
 
 
 class BoreSplines(NamedTuple):
@@ -225,7 +232,7 @@ def is_film(
     bore = surface.bore
     c, a = skirt.gap.shape
     rows = bore.radial.table.shape[1] // bore.radial.part
-    fits = c * a == cells and bore.shape.shape[1] == c
+    fits = len(skirt.rows) * a == cells and len(skirt.rows) >= c and bore.shape.shape[1] == c
     fits = fits and (len(bore.shape) == 0 or len(bore.shape) == rows)
     fits = fits and is_field(skirt.radial, c, a, piston_modes)
     fits = fits and is_field(skirt.axial, c, a, piston_modes)

@@ -4,6 +4,9 @@ A body that is its own mirror image about the thrust plane and across it has mod
 odd about both. A quarter of the circumference and of the modes is then sufficient, and both
 products cost a quarter. Angles on a plane of symmetry are their own images and count half. A body
 without that symmetry has one class with the whole circumference.
+
+Half of a field from the thrust line to the anti-thrust line has the classes that are even about
+that plane. Odd modes have no part in it.
 """
 
 from typing import Annotated, NamedTuple
@@ -12,12 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...master.fmi.compiled import compiled
+from ...master.fmi.symmetry import half_grid, odd_part
 
 EVEN = 0
 ODD_Z = 1
 ODD_X = 2
 ODD_BOTH = 3
 """Symmetry classes: odd across z = 0, odd across x = 0, odd across both."""
+ODD_X_OF_HALF = 1
+"""Class of half a field, whose other class is EVEN."""
 
 SIGNS = np.array(
     [[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]]
@@ -38,18 +44,20 @@ class ModalField(NamedTuple):
     table : ndarray of float32, shape (k, rows * part)
         Values [kg^-1/2]; each row of the grid (a height) has `part` angles from theta = 0 on.
     kind : ndarray of int, shape (k,)
-        Symmetry class.
+        Symmetry class. Modes with a class that the field does not have are 0 in it.
     classes, part : int
-        4 and a quarter of the angles with those on the planes of symmetry, or 1 and all angles.
+        4, or 2 of half a field, and a quarter of the angles with those on the planes of symmetry;
+        or 1 and all angles.
     image : ndarray of int, shape (classes, part)
-        Number of the angle at theta, pi - theta, -theta, pi + theta.
+        Number of the angle at theta, pi - theta, -theta, pi + theta; of half a field at
+        pi - theta, pi + theta.
     share : ndarray, shape (part,)
         1, or 1/2 if two of these angles are equal [-].
     """
 
     table: Annotated[NDArray[np.float32], "k, points"]
-    kind: Annotated[NDArray[np.int64], "k", "within(x, 0.0, classes)"]
-    classes: Annotated[int, "x == 1 or x == 4"]
+    kind: Annotated[NDArray[np.int64], "k", "within(x, 0.0, 4.0)"]
+    classes: Annotated[int, "x == 1 or x == 2 or x == 4"]
     part: Annotated[int, "x > 0"]
     image: Annotated[NDArray[np.int64], "classes, part", "within(x, 0.0, points)"]
     share: Annotated[np.ndarray, "part"]
@@ -81,6 +89,30 @@ def modal_field(values: np.ndarray, kind: np.ndarray | None = None) -> ModalFiel
         part=len(part),
         image=image,
         share=share,
+    )
+
+
+def half_field(field: ModalField, angles: int) -> ModalField:
+    """Return half of a field with an even number of angles, the even part about the thrust plane.
+
+    Its angles are those of `half_grid`.
+    """
+    first, last, _ = half_grid(angles)
+    k, points = field.table.shape
+    if field.classes == 4:
+        image = field.image[[1, 3]] - first
+        share = np.where(image[0] == image[1], 0.5, 1.0)
+        kind = np.array([EVEN, 2, ODD_X_OF_HALF, 3])[field.kind]
+        return field._replace(kind=kind, classes=2, image=image, share=share)
+    values = field.table.astype(float).reshape(k, points // angles, angles)
+    even = (values - odd_part(values, 2))[:, :, first:last]
+    return ModalField(
+        table=even.reshape(k, -1).astype(np.float32),
+        kind=field.kind,
+        classes=1,
+        part=last - first,
+        image=np.arange(last - first)[None],
+        share=np.ones(last - first),
     )
 
 
@@ -126,6 +158,8 @@ def read(field: ModalField, first: int, rows: int, coordinates: np.ndarray) -> n
     count = rows * field.part
     sums = np.zeros((field.classes, count))
     for k in range(len(field.table)):
+        if field.kind[k] >= field.classes:
+            continue
         values = field.table[k, start : start + count]
         line = sums[field.kind[k]]
         for p in range(count):
@@ -143,6 +177,8 @@ def read_both(
     sums = np.zeros((field.classes, count))
     fast_sums = np.zeros((field.classes, count))
     for k in range(len(field.table)):
+        if field.kind[k] >= field.classes:
+            continue
         values = field.table[k, start : start + count]
         line = sums[field.kind[k]]
         fast = fast_sums[field.kind[k]]
@@ -165,6 +201,11 @@ def _unfold(field, sums, rows):
         for i in range(part):
             p = r * part + i
             a = sums[EVEN, p]
+            if field.classes == 2:
+                c = sums[ODD_X_OF_HALF, p]
+                out[r, image[0, i]] = a + c
+                out[r, image[1, i]] = a - c
+                continue
             b = sums[ODD_Z, p]
             c = sums[ODD_X, p]
             d = sums[ODD_BOTH, p]
@@ -190,6 +231,10 @@ def _fold(field, force):
                 continue
             a = field.share[i] * force[r, image[0, i]]
             b = field.share[i] * force[r, image[1, i]]
+            if field.classes == 2:
+                sums[EVEN, p] = a + b
+                sums[ODD_X_OF_HALF, p] = a - b
+                continue
             c = field.share[i] * force[r, image[2, i]]
             d = field.share[i] * force[r, image[3, i]]
             sums[EVEN, p] = (a + b) + (c + d)
@@ -219,8 +264,10 @@ def spread(field: ModalField, first: int, force: np.ndarray) -> np.ndarray:
     start = first * field.part
     count = len(force) * field.part
     sums = _fold(field, force)
-    out = np.empty(len(field.table))
+    out = np.zeros(len(field.table))
     for k in range(len(out)):
+        if field.kind[k] >= field.classes:
+            continue
         values = field.table[k, start : start + count]
         line = sums[field.kind[k]]
         total = 0.0

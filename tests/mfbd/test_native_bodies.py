@@ -18,15 +18,18 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import (
     Settings,
 )
 from piston_cosim.fmu_mfbd.native import uncovered
+from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load, save
 
 from ..command import script
 from .conftest import quiet
+from .test_half_films import mirrored
 
 SCRIPT = """
 import json, sys
 import numpy as np
 from piston_cosim.fmu_mfbd import native
 from piston_cosim.fmu_mfbd.slave import Mfbd
+from piston_cosim.master.fmi.symmetry import odd_part
 from piston_cosim.tests.twins import Twins
 
 COUNTS = "residual_evaluations", "jacobian_evaluations"
@@ -38,6 +41,8 @@ around, _ = python.built.grid
 rng = np.random.default_rng(0)
 bump = np.maximum(np.sin(np.arange(around) * 2 * np.pi / around), -0.3)[:, None] + 0.3
 loads = {f.prefix: (bump * rng.random(f.shape), rng.standard_normal(f.shape)) for f in films}
+if "film_symmetry" in changes:
+    loads = {name: [one - odd_part(one) for one in pair] for name, pair in loads.items()}
 pins = {f.prefix: (rng.random(f.shape), rng.random(f.shape)) for f in python.built.pin_grids()}
 
 def give(k):
@@ -79,6 +84,8 @@ if python.fault:
     print(json.dumps([python.fault.split(chr(10)), sentences]))
     sys.exit()
 twins.compare()
+half = around // 2 + 1 if "film_symmetry" in changes else around
+assert len(python.model.film_surfaces[0].skirt.angle) == half
 own = slice(twins.first, twins.first + twins.length)
 for k in range(1, 9):
     step = (1 + k % 3) * 2e-5
@@ -144,6 +151,7 @@ SHAPED = dict(
     bore_growth_lower=-2e-6,
     pin_tilt=2e-4,
 )
+HALF = SHAPED | dict(pin_tilt=0.0, film_symmetry=3)
 LOADED = dict(
     crank_offset=1e-3,
     pin_friction_coefficient=0.1,
@@ -171,8 +179,11 @@ def told(coarse, kept, tmp_path_factory):
         prepared, files = prepare(build | {"grid": [8, 6]} | options, folder, quiet)
         resources = tmp_path_factory.mktemp("resources")
         (resources / "build.json").write_text(json.dumps(prepared))
-        for file in files:
+        for file, kind in zip(files, (ReducedPiston, ReducedBlock)):
             shutil.copy(file, resources)
+            if "film_symmetry" in changes:
+                around, _ = prepared["grid"]
+                save(resources / file.name, mirrored(load(kind, file), around, True))
         return side_by_side(resources, changes)
 
     return run
@@ -202,6 +213,7 @@ def held(found, allowed):
         (SHAPED, {"grid": [7, 5], "start": "begin.json"}),  # no symmetry; modes that move already
         (SHAPED | LOADED | dict(crank_unbalance=0.05), {"mounted": True}),
         (SHAPED, {"grid": [7, 10], "film_surfaces": BANDS_OF_ROWS, "mounted": True}),
+        (HALF, {"grid": [10, 10], "film_surfaces": BANDS_OF_ROWS, "mounted": True}),
         # another speed than the input
         (LOADED | dict(crank_free=1, load_torque=30.0), {"gas": GAS, "start": "begin.json"}),
         (LOADED, {"speed": speed("time")}),

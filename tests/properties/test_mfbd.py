@@ -39,6 +39,7 @@ def film(seed):
         0.028,
         1e-3,
         *(modal_field(rng.standard_normal((8, 5, 3))) for _ in range(2)),
+        np.arange(8.0),
     )
     bore = bore_splines(
         np.linspace(0.0, 0.1, 12),

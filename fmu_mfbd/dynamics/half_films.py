@@ -1,0 +1,147 @@
+"""Half of the films of a skirt, if they and the bodies are their own mirror image.
+
+The image is that about the thrust plane. Kernels and motion are those of the whole films. Only the
+grids are halves, from the thrust line to the anti-thrust line.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable
+from ...master.fmi.noted import refuse
+from ...master.fmi.symmetry import THRUST_PLANE, WHOLE, first_odd, half_grid, odd_part
+from ..geometry.film import BoreSplines, FilmSurface, NodalForces
+from ..geometry.modal_field import half_field
+from ..geometry.surfaces import count_of, surface_at
+from ..reduction.reduced_body import ReducedBody
+from .contradictions import FAULT
+from .parameters import Settings
+from .skirt_films import cells_of, field_of
+
+ODD_SHAPE = 1e-9
+"""Odd part of a profile or a bore that is round-off [m]: the tolerance of film thickness in a
+coupling."""
+ODD_MODE = 1e-6
+"""Odd part of a mode that is round-off, relative to the mode."""
+
+
+def half_films(
+    films: Sequence[FilmSurface], bodies: Sequence[ReducedBody]
+) -> tuple[FilmSurface, ...]:
+    """Return one half of film surfaces in a common bore, none if they are not symmetric.
+
+    Parameters
+    ----------
+    films : sequence of FilmSurface
+        Before `clearance.machined`, whose parameters are symmetric except `pin_tilt`.
+    bodies : sequence of ReducedBody
+        Piston and block.
+    """
+    around = len(films[0].skirt.angle)
+    bore = films[0].bore
+    if around % 2 or any(mirror_error(one, around) > ODD_MODE for one in bodies):
+        return ()
+    shapes = [bore.shape.T, *(one.skirt.gap for one in films)]
+    if any(np.abs(odd_part(shape)).max(initial=0.0) > ODD_SHAPE for shape in shapes):
+        return ()
+    half = _half_bore(bore, around)
+    return tuple(FilmSurface(_half_skirt(one.skirt), half) for one in films)
+
+
+def _half_skirt(skirt):
+    """Return one half of the skirt's side."""
+    around = len(skirt.angle)
+    first, last, rows = half_grid(around)
+    even = skirt.gap - odd_part(skirt.gap)
+    return skirt._replace(
+        angle=skirt.angle[first:last],
+        gap=even[first:last],
+        radial=half_field(skirt.radial, around),
+        axial=half_field(skirt.axial, around),
+        rows=rows.astype(float),
+    )
+
+
+def _half_bore(bore: BoreSplines, around: int) -> BoreSplines:
+    """Return one half of the bore."""
+    first, last, _ = half_grid(around)
+    even = bore.shape - odd_part(bore.shape, 1)
+    return bore._replace(
+        radial=half_field(bore.radial, around),
+        axial=half_field(bore.axial, around),
+        shape=even[:, first:last],
+    )
+
+
+def mirror_error(body: ReducedBody, around: int) -> float:
+    """Return how much the compliance of a body's surface differs from its mirror image [-].
+
+    Eq. (J48):  |C - M C M| / |C|,   C = A A^T,   A = R Phi Omega^-1
+                |C - M C M|^2 = 2 |A^T A|^2 - 2 |A^T M A|^2      Frobenius norms
+
+    M is the mirror image about the thrust plane. The result is 0 for a rigid body.
+    """
+    answer = on_cells(body, around) / body.omega
+    if not answer.size:
+        return 0.0
+    image = answer - 2 * odd_part(answer)
+    whole, mirrored = (
+        float((np.tensordot(answer, one, ([0, 1], [0, 1])) ** 2).sum()) for one in (answer, image)
+    )
+    return float(np.sqrt(max(0.0, 2 * (1 - mirrored / whole))))  # Eq. (J48)
+
+
+def on_cells(body: ReducedBody, around: int) -> np.ndarray:
+    """Return the radial displacement of the modes, (c, a, k)."""
+    count = len(body.omega)
+    rows = body.radial.size // (around * count) if count else 0
+    return body.radial.reshape(around, rows, count)
+
+
+@compilable
+def can_halve(half_surfaces: np.ndarray, p: Settings) -> bool:
+    """Return whether films and bodies are symmetric with these parameters."""
+    return count_of(half_surfaces) > 0 and p.pin_tilt == 0.0
+
+
+@compilable
+def is_halved(half_surfaces: np.ndarray, p: Settings) -> bool:
+    """Return whether one half of the films is computed."""
+    return p.film_symmetry != WHOLE and can_halve(half_surfaces, p)
+
+
+@compilable
+def check_half(half_surfaces: np.ndarray, p: Settings, faults: np.ndarray) -> None:
+    """Note that one half of the films is demanded and does not exist."""
+    if p.film_symmetry == THRUST_PLANE and not can_halve(half_surfaces, p):
+        refuse(faults, FAULT.no_half, 0.0, 0.0, p.pin_tilt, 0.0, 0.0)
+
+
+@compilable
+def check_even(surfaces: np.ndarray, forces: NodalForces, faults: np.ndarray) -> None:
+    """Note forces on films of which one half is computed that are not their own mirror image.
+
+    Parameters
+    ----------
+    surfaces : ndarray
+        Block of all film surfaces.
+    forces : NodalForces
+        Stacked [N].
+    faults : ndarray
+    """
+    first = 0
+    no_cut = np.zeros((0, 0), np.bool_)
+    for s in range(count_of(surfaces)):
+        surface = surface_at(surfaces, s)
+        rows = surface.skirt.rows
+        if len(rows) > len(surface.skirt.angle):
+            for number, stacked in (
+                (FAULT.odd_pressure_force, forces.pressure),
+                (FAULT.odd_friction_force, forces.friction),
+            ):
+                force = field_of(surface, stacked, first)
+                i, j, k = first_odd(force, rows, no_cut)
+                if i >= 0:
+                    refuse(faults, number, i + 1.0, j + 1.0, force[i, j], force[k, j], 0.0)
+        first += cells_of(surface)
