@@ -13,6 +13,7 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import (
     FloatingPin,
     PistonOptions,
 )
+from piston_cosim.fmu_mfbd.native import INTEGERS
 from piston_cosim.fmu_mfbd.reduction.reduced_body import save
 
 from .pin_models import (
@@ -37,7 +38,7 @@ VALUES = {
             start_rocking_angle=1e-4,
         )
     ).items()
-    if name not in ("crank_free", "gas_source")  # a choice, by its number
+    if name not in INTEGERS  # choices, by their numbers
 }
 """Offsets of pin and crank, and every body with a mass."""
 CRANK = {"big_end": (10, 3), "main_bearing": (8, 4)}
