@@ -1,6 +1,7 @@
 """Participants and wires of a case, checked before the run."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,6 @@ from .wires import (
     is_real,
     wire_of,
 )
-
 
 def open_system(
     case: Any,
@@ -85,7 +85,7 @@ def open_system(
     give_types(case.wires, participants, faults)
     opened = participants
     joined = [wire_of(table, participants, case.coupling, faults) for table in case.wires]
-    wires = [wire for wire in joined if isinstance(wire, Wire)]
+    wires = [_mirrored(wire, halves) for wire in joined if isinstance(wire, Wire)]
     reals = [table for table in case.wires if is_real(table, participants)]
     of_clocks = {port_of(t.target) for t in case.wires if is_clock(t.target, participants)}
     handed = [wire for wire in joined if isinstance(wire, HeldWire)]
@@ -127,6 +127,12 @@ def open_system(
         record_interval(case, angular_speed(case, parameters)),
         frozenset(name for name, table in case.participants.items() if table.rollback),
     )
+
+
+def _mirrored(wire, halves):
+    """Return the wire, marked if a film at one end of its field computes one half only."""
+    owners = {wire.source[0], wire.target[0]}
+    return replace(wire, mirrored=len(wire.shape) > 1 and not owners.isdisjoint(halves))
 
 
 def open_finished(

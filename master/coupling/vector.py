@@ -20,11 +20,15 @@ class Layout(NamedTuple):
     """Layout of the vector, whose elements are those of all wires in order.
 
     ends : end of each wire's elements; unknowns : positions of the elements that are unknowns;
+    half, images : positions of those that represent themselves and their mirror images on mirrored
+    wires, and of these images, which are the same positions elsewhere;
     nominal, tolerance : by element; largest_decrease : by wire, infinite if not limited.
     """
 
     ends: Annotated[Positions, "wires"]
     unknowns: Annotated[Positions, "unknowns", "within(x, 0.0, size)"]
+    half: Annotated[Positions, "represented", "within(x, 0.0, size)"]
+    images: Annotated[Positions, "represented", "within(x, 0.0, size)"]
     nominal: Annotated[Array, "size"]
     tolerance: Annotated[Array, "size", "True"]
     largest_decrease: Annotated[Array, "wires", "True"]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..fmi.symmetry import thrust_image
 from ..participants.participant import Participant
 from .vector import Layout
 
@@ -38,7 +39,8 @@ class Wire:
     """Wire in SI.
 
     tolerance : infinite if the wire is not measured, 0 if only a relative criterion counts; noise :
-    error of its values after a restored step, relative to their size.
+    error of its values after a restored step, relative to their size; mirrored : whether its field
+    is expected to be its own mirror image about the thrust plane.
     """
 
     source: Port
@@ -51,6 +53,7 @@ class Wire:
     relative_tolerance: float = 0.0
     local_error: float | None = None
     noise: float = 0.0
+    mirrored: bool = False
 
     def allowed(self, values: np.ndarray) -> float:
         """Return the residual that counts as converged, by element, for outputs of the wire."""
@@ -87,9 +90,19 @@ def layout_of(wires: Sequence[Wire], order: Sequence[str], parallel: bool) -> La
         return np.repeat(np.array([*values], float), sizes)
 
     limits = [inf if w.largest_decrease is None else w.largest_decrease for w in wires]
+    ends = np.cumsum(sizes)
+    unknowns = np.flatnonzero(by_element(is_unknown(wire, order, parallel) for wire in wires))
+    images = np.arange(sum(sizes))
+    for wire, end in zip(wires, ends):
+        if wire.mirrored:
+            own = images[end - prod(wire.shape) : end].reshape(wire.shape)
+            own[:] = own[thrust_image(len(own))]
+    half = unknowns[unknowns <= images[unknowns]]
     return Layout(
-        np.cumsum(sizes),
-        np.flatnonzero(by_element(is_unknown(wire, order, parallel) for wire in wires)),
+        ends,
+        unknowns,
+        half,
+        images[half],
         by_element(wire.nominal for wire in wires),
         by_element(wire.tolerance for wire in wires),
         np.array(limits, float),

@@ -20,7 +20,7 @@ def of_products(rng, products, images):
 
 def remembered(rng, kept, n, filled):
     """Pairs that have been learned one by one, more than are kept if need be."""
-    pairs = Pairs(*np.zeros((2, kept, n)), np.zeros((kept, kept)), np.zeros(1))
+    pairs = Pairs(*np.zeros((2, kept, n)), np.zeros((kept, kept)), *np.zeros((2, 1)))
     for _ in range(filled):
         direction, product = rng.standard_normal((2, 1, n))
         known = of_products(rng, product, pairs.images)
@@ -70,7 +70,12 @@ def test_no_more_pairs_than_their_directions_need(known):
     rng = np.random.default_rng(5)
     kept, n, used = 12, 40, min(known, 7)
     plane = np.linalg.qr(rng.standard_normal((n, 2)))[0].T
-    pairs = Pairs(*np.zeros((2, kept, n)), np.zeros((kept, kept)), np.array([float(known % kept)]))
+    pairs = Pairs(
+        *np.zeros((2, kept, n)),
+        np.zeros((kept, kept)),
+        np.array([float(known % kept)]),
+        np.zeros(1),
+    )
     for k in range(known):
         pairs.images[k % kept] = np.array([np.cos(k), np.sin(k)]) @ plane
         pairs.differences[k % kept] = rng.standard_normal(n)

@@ -6,8 +6,8 @@ import numpy as np
 
 from ...fmi.block import keep
 from ...fmi.compiled import compilable
-from ..vector import Array, Evaluation, Layout, moved, put
-from .krylov import Goal, Pairs, learn, length, minimise
+from ..vector import Array, Evaluation, Layout, Positions, moved, put
+from .krylov import Goal, Pairs, first_columns, forget, learn, length, minimise
 
 NONE = -1.0
 """Failure of an iteration that converged, or in which a participant rejected a call."""
@@ -16,6 +16,11 @@ SENTENCES = {
     "grows": "the residual grows: {a} of what is allowed after {i} iterations, {b} at best",
     "too_many": "no convergence in {i} iterations: {a} of what is allowed is left, {b} at best",
 }
+
+
+ODD = 0.1
+"""Difference of the residuals of mirror images, as a share of their tolerance, that half of a field
+leaves."""
 
 
 class Failures(NamedTuple):
@@ -48,6 +53,8 @@ class NewtonSystem(NamedTuple):
         Writes the change of all outputs; returns whether all participants answered.
     step : object
         Argument of `derivative`.
+    unknowns, images : ndarray of int, shape (unknowns,)
+        Positions of the unknowns and of their mirror images, which have the same values.
     scale : ndarray, shape (unknowns,)
     seed : ndarray, shape (size,)
         Argument of `derivative`; 0 except for the unknowns.
@@ -57,7 +64,8 @@ class NewtonSystem(NamedTuple):
 
     derivative: Any
     step: Any
-    layout: Layout
+    unknowns: Positions
+    images: Positions
     scale: Array
     seed: Array
     products: Array
@@ -96,12 +104,30 @@ class Iterated(NamedTuple):
 @compilable
 def product(linear: NewtonSystem, k: int, direction: Array, out: Array):
     """Write the k-th product with I - J; return whether all participants answered."""
-    unknowns = linear.layout.unknowns
-    put(linear.seed, unknowns, direction * linear.scale)
+    unknowns = linear.unknowns
+    seed = direction * linear.scale
+    put(linear.seed, unknowns, seed)
+    put(linear.seed, linear.images, seed)
     if not linear.derivative(linear.step, linear.seed, linear.products[k]):
         return False
     keep(out, direction - linear.products[k][unknowns] / linear.scale)
     return True
+
+
+@compilable
+def unknowns_of(answer: Answer, layout: Layout, pairs: Pairs):
+    """Return the unknowns of an update and their mirror images, see `Layout`.
+
+    All are unknowns once a residual differs from that of its mirror image by more than `ODD`.
+    """
+    if pairs.is_whole[0] == 0.0:
+        r = answer.at.residual
+        odd = np.abs(r[layout.half] - r[layout.images])
+        if (odd <= ODD * answer.allowed[layout.half]).all():
+            return layout.half, layout.images
+        forget(pairs)
+        pairs.is_whole[0] = 1.0
+    return layout.unknowns, layout.unknowns
 
 
 @compilable
@@ -111,22 +137,31 @@ def update(derivative: Any, step: Any, answer: Answer, rules: Any, layout: Layou
     if len(layout.unknowns) == 1:
         return scalar_update(derivative, step, at, layout)
     size = len(at.used)
-    scale = layout.nominal[layout.unknowns]
-    right = (at.outputs - at.used)[layout.unknowns] / scale
+    unknowns, images = unknowns_of(answer, layout, pairs)
+    known = Pairs(
+        first_columns(pairs.images, len(unknowns)),
+        first_columns(pairs.differences, len(unknowns)),
+        pairs.gram,
+        pairs.oldest,
+        pairs.is_whole,
+    )
+    scale = layout.nominal[unknowns]
+    right = (at.outputs - at.used)[unknowns] / scale
     products = np.empty((max(rules.largest_krylov_space, 1), size))
-    linear = NewtonSystem(derivative, step, layout, scale, np.zeros(size), products)
-    limits = rules.accuracy * answer.allowed[layout.unknowns] / scale
+    linear = NewtonSystem(derivative, step, unknowns, images, scale, np.zeros(size), products)
+    limits = rules.accuracy * answer.allowed[unknowns] / scale
     goal = Goal(limits, rules.forcing * length(right))
     most = rules.largest_krylov_space
-    solved = minimise(product, linear, right, goal, pairs, most)  # Eq. (Q1)
+    solved = minimise(product, linear, right, goal, known, most)  # Eq. (Q1)
     x, count, is_answered = solved.x, len(solved.weights), solved.is_answered
     if is_answered and count > 0:
-        learn(pairs, solved.space, count)
+        learn(known, solved.space, count)
         change = solved.weights @ products[:count]
     else:
         is_answered = is_answered and product(linear, count, x, np.empty(len(x)))
         change = products[0]
-    put(change, layout.unknowns, x * scale)
+    put(change, unknowns, x * scale)
+    put(change, images, x * scale)
     return Update(change, max(count, 1), is_answered)
 
 

@@ -48,12 +48,14 @@ class Pairs(NamedTuple):
     images, differences : Z and V - Z by rows, as many as are kept at most, 0 where nothing is known
     yet; in single precision round-off would grow to what two solves differ by. gram : Z' Z of those
     in use, 0 elsewhere. oldest : the row that is overwritten next; those in use end before it.
+    is_whole : 1 once a field of a mirrored wire has lost its symmetry, so that all are unknowns.
     """
 
     images: Rows
     differences: Rows
     gram: Square
     oldest: Annotated[Array, "1"]
+    is_whole: Annotated[Array, "1"]
 
 
 class Space(NamedTuple):
@@ -333,7 +335,23 @@ def no_pairs(unknowns: int):
     """Return room for the pairs of solves, none of which is in use."""
     kept = min(KEPT, unknowns)
     rows = np.zeros((2, kept, unknowns))
-    return Pairs(rows[0], rows[1], np.zeros((kept, kept)), np.zeros(1))
+    return Pairs(rows[0], rows[1], np.zeros((kept, kept)), np.zeros(1), np.zeros(1))
+
+
+@compilable
+def forget(pairs: Pairs):
+    """Remove all pairs."""
+    for table in (pairs.gram, pairs.images, pairs.differences):
+        keep(table.reshape(table.size), np.zeros(table.size))
+    pairs.oldest[0] = 0.0
+    pairs.is_whole[0] = 0.0
+
+
+@compilable
+def first_columns(table: Array, count: int):
+    """Return an array of `count` columns in the memory of one that may have more."""
+    rows = len(table)
+    return table.reshape(table.size)[: rows * count].reshape((rows, count))
 
 
 class RecycledGmres:
