@@ -24,12 +24,10 @@ from ..fmi.slave import Experiment
 from ..fmi.tree import import_part
 from .ahead import run_ahead
 from .given import build_options
-from .system import open_system
+from .system import MASTER, open_system
 
 COUPLED = "master.coupling.coupled"
 """Part of the master inside the FMU, with all its imports."""
-MASTER = "master.coupling"
-"""Package with the entries of a native coupled FMU."""
 
 
 def export_fmu(case, folder, progress, version="2.0", platforms=()):

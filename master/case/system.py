@@ -39,6 +39,10 @@ from .wires import (
     wire_of,
 )
 
+MASTER = "master.coupling"
+"""Package with the entries of a native coupled FMU, which also iterates runs."""
+
+
 def open_system(
     case: Any,
     folder: Path,
@@ -66,7 +70,9 @@ def open_system(
     if case.native:
         from ..fmi.builder_native import compile_ahead
 
-        compile_ahead([case.participants[name].package for name in sorted(native)], progress)
+        needed = [case.participants[name].package for name in sorted(native)]
+        whole = [MASTER] if native == case.participants.keys() else []
+        compile_ahead([*whole, *needed], progress)
     builds = build_options(case, folder, progress)
     participants, given = {}, case.participants
     for name in given:

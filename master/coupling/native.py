@@ -9,6 +9,7 @@ from ..fmi.block import keep
 from ..fmi.compiled import compiled
 from ..fmi.native_parts import NOWHERE, NativePart, tell_size
 from ..fmi.noted import refuse, take_over
+from .methods.krylov import forget
 from .native_block import (
     FAULT,
     SENTENCES,
@@ -86,15 +87,6 @@ def remember(real: np.ndarray, memory: np.ndarray, time: float, step: float):
 
 
 @compiled
-def forget_products(state: CoupledState):
-    """Clear the memory of GMRES."""
-    pairs = state.pairs
-    for table in (pairs.gram, pairs.images, pairs.differences):
-        keep(table.reshape(table.size), np.zeros(table.size))
-    pairs.oldest[0] = 0.0
-
-
-@compiled
 def accept(state: CoupledState, time: float, x: np.ndarray):
     """Add an accepted vector."""
     known = int(state.known[0])
@@ -132,7 +124,7 @@ def macro_step(memory: np.ndarray, time: float, step: float):
         last = state.past[known - 1]
         x = extrapolate(state.times[:known], state.past[:known], begin + length)
         x = moved(system.layout, last, x - last)
-        if find(memory, x, begin, length):
+        if find(memory, x, begin, length, np.zeros(0)):
             accept(state, begin + length, x)
             done += 1
             while depth > 0 and done % 2 == 0:
@@ -141,7 +133,7 @@ def macro_step(memory: np.ndarray, time: float, step: float):
             continue
         restore(system)
         forget_past(state)
-        forget_products(state)
+        forget(state.pairs)
         if depth == halvings:
             refuse(system.faults, FAULT.no_halving, 0.0, 0.0, begin, length, 0.0)
             take_over(system.faults, system.failures, 0.0)
@@ -237,7 +229,7 @@ def begin(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
     state = state_of(memory)
     state.known[0] = 0.0
     accept(state, 0.0, y)
-    forget_products(state)
+    forget(state.pairs)
     save(system)
     return True
 
@@ -254,7 +246,7 @@ def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
         refuse(parts.faults, FAULT.other_state, 0.0, 0.0, 0.0, 0.0, 0.0)
         return False
     if numbers[WAS_SAVED] != 0.0:
-        forget_products(state_of(memory))
+        forget(state_of(memory).pairs)
     keep(parts.before, parts.state)
     system = system_of(memory)
     restore(system)
@@ -405,8 +397,20 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     keep(parts.before, before)
 
 
+@compiled
+def iterate(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
+    """Iterate a macro step of `run` to its fixed point.
+
+    real : guess, then the solution; numbers : length of the step and its begin [s], then written:
+    1 if there is a solution, else 0, and what `find` notes. `integer` is unused.
+    """
+    numbers[2] = 0.0
+    numbers[3] = 0.0
+    numbers[2] = 1.0 if find(memory, real, numbers[1], numbers[0], numbers[3:]) else 0.0
+
+
 PART = NativePart(
-    entries=(size, start, advance, tangent),
+    entries=(size, start, advance, tangent, iterate),
     given=np.asarray,  # native_given.coupled_inside has laid it out
     faults=tuple(SENTENCES.values()),
     refusal="",

@@ -200,11 +200,17 @@ def refuse_element(
 
 
 class Step(NamedTuple):
-    """Macro step of a system: begin and length [s]."""
+    """Macro step of a system: begin and length [s].
+
+    trail : ndarray, shape (evaluations, wires), measures of the wires; evaluations beyond are not
+    recorded. evaluations : ndarray, shape (1,), their number so far.
+    """
 
     system: System
     time: float
     length: float
+    trail: np.ndarray
+    evaluations: np.ndarray
 
 
 @compiled
@@ -257,7 +263,15 @@ def evaluate(step: Step, x: np.ndarray):
     # an element that is fed back was used as in x, another one as in the outputs
     at = Evaluation(used, outputs, outputs - x)
     tolerance = step.system.layout.tolerance
-    measure = largest(np.abs(at.residual) / tolerance) if is_answered else -1.0
+    shares = np.abs(at.residual) / tolerance
+    measure = largest(shares) if is_answered else -1.0
+    k = int(step.evaluations[0])
+    if is_answered and k < len(step.trail):
+        begin = 0
+        for w, end in enumerate(step.system.layout.ends):
+            step.trail[k, w] = largest(shares[begin:end])
+            begin = end
+        step.evaluations[0] = k + 1.0
     return Answer(at, measure, tolerance)
 
 
@@ -313,14 +327,23 @@ def note_worst(system: System, residual: np.ndarray):
 
 
 @compiled
-def find(memory: np.ndarray, x: np.ndarray, time: float, length: float):
-    """Replace a guess by the fixed point of a macro step; return False and note why if none."""
+def find(memory: np.ndarray, x: np.ndarray, time: float, length: float, noted: np.ndarray):
+    """Replace a guess by the fixed point of a macro step; return False and note why if none.
+
+    noted : ndarray, written: evaluations, products, and the measures of all wires by evaluation;
+    nothing if it is empty.
+    """
     system = system_of(memory)
     system.failures[0] = 0.0
-    step = Step(system, time, length)
+    wires = len(system.wires)
+    rows = (len(noted) - 2) // wires if len(noted) > 0 and wires > 0 else 0
+    trail = noted[len(noted) - rows * wires :].reshape((rows, wires))
+    counts = noted[:2] if rows > 0 else np.zeros(2)
+    step = Step(system, time, length, trail, counts)
     pairs = state_of(memory).pairs
     rules = rules_of(memory)
     end = converge(evaluate, derivative, step, x, rules, system.layout, pairs)
+    counts[1] = end.products
     if end.is_converged:
         keep(x, end.at.used)
     if end.failure != NONE:

@@ -300,6 +300,25 @@ def libraries(
     return made
 
 
+def library_file(packages: Sequence[str], may_build: bool) -> Path | None:
+    """Return the library of a native coupled FMU for this machine, None if there is none.
+
+    may_build : whether to build it if no release contains it and this machine can.
+    """
+    platform = this_platform()
+    if platform is None or platform == "win64":
+        return None
+    name = library_name(packages, platform, "2.0")
+    if (AHEAD / name).exists():
+        return AHEAD / name
+    if not may_build or cannot_build([platform], packages):
+        return None
+    path = cache_folder("native") / name
+    if not path.exists():
+        write_whole(path, libraries(packages, [platform], "2.0")[platform])
+    return path
+
+
 def library_name(packages: Sequence[str], platform: str, version: str) -> str:
     """Return the name of a prebuilt library, which contains the hash of its sources."""
     ends = PLATFORMS[platform]
@@ -418,7 +437,8 @@ def definitions(package: str, participants: Sequence[str] = ()) -> list[str]:
     """
     own = [f"-Dnative_{name}={symbol(package, name)}" for name in ENTRIES]
     inside = " ".join(f"PART({symbol(one, '')[:-1]})" for one in participants)
-    return [*own, f"-DPARTS={inside}"] if inside else own
+    iterate = f"-Dnative_iterate={symbol(package, 'iterate')}"
+    return [*own, iterate, f"-DPARTS={inside}"] if inside else own
 
 
 def link(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:

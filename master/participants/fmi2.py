@@ -210,12 +210,9 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         with its traceback if it fails. Raises `Finished` if it ends the simulation inside the
         step.
         """
-        self.log.clear()
-        self.ended = ""
-        if time + step > self._stop:
+        if self.is_last(time, step):
             step = step_within(time, step, self._stop)
-        self._last_step = (time, step)
-        self._warned_at = time
+        self.begin_step_at(time, step)
         try:
             self._do_step(time, step)
         except CallFailed as failure:
@@ -233,6 +230,17 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
                 self._end(self._reached(time), time + step, step)
                 return
             raise Discard(f"{self.name}: {text}") from None
+
+    def is_last(self, time, step):
+        """Return whether a step [s] ends beyond the stop time, if only by round-off."""
+        return time + step > self._stop
+
+    def begin_step_at(self, time, step):
+        """Prepare for a step [s], here or by pointers."""
+        self.log.clear()
+        self.ended = ""
+        self._last_step = (time, step)
+        self._warned_at = time
 
     def _end(self, reached, end, step):
         """End the simulation for the FMU; raise `Finished` if this step is incomplete."""

@@ -101,12 +101,23 @@ class FmuFields(DescribedFmu):
         def put():
             if status := setting():
                 self._check(setter, status)
-            if block.is_input and block is not self._written:
-                parts = block.parts.items()
-                self._input_values |= {name: block.values[part] for name, part in parts}
-                self._written = block
+            self.note_written(block)
 
         block.get, block.put = get, put
+
+    def note_written(self, block):
+        """Save the values of a block that the FMU has received, if they are inputs."""
+        if block.is_input and block is not self._written:
+            parts = block.parts.items()
+            self._input_values |= {name: block.values[part] for name, part in parts}
+            self._written = block
+
+    def addresses(self, functions):
+        """Return the instance and functions of the FMU ("fmi2DoStep") as numbers."""
+        pointers = [getattr(self._functions, name) for name in functions]
+        return self._functions.component.value, [
+            ctypes.cast(one, ctypes.c_void_p).value for one in pointers
+        ]
 
     def _vector(self, name):
         """Return the block of a field, created once."""
@@ -338,6 +349,11 @@ class TransferBlock:
     is_input: bool
     get: Callable[[], None] = field(init=False)
     put: Callable[[], None] = field(init=False)
+
+    @property
+    def references(self) -> tuple[int, int]:
+        """Address of the references, and their number."""
+        return ctypes.addressof(self.arguments[0]), len(self.arguments[0])
 
 
 class Functions:

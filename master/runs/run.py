@@ -14,6 +14,7 @@ import numpy as np
 
 from ..case.contract import contract, players
 from ..case.tables import reduced
+from ..coupling.compiled_newton import compiled_if_native
 from ..coupling.components import by_components, components, table
 from ..coupling.freezing import freeze, thaw
 from ..coupling.ledger import ledger
@@ -179,7 +180,7 @@ class ActiveRun(Observer):
         self.steps_of_period = round(system.period / system.step)
         self.stepper = Stepper(
             system,
-            by_components(method_of(case.coupling), system, case.coupling.advanced.halvings),
+            by_components(self._method(), system, case.coupling.advanced.halvings),
             case.coupling.advanced.halvings,
             self,
             case.coupling.predictor,
@@ -221,6 +222,12 @@ class ActiveRun(Observer):
         with writing(output):
             self.recorder = self._recorder()
             self.log = CouplingLog(output, system.wires, self.account.counters)
+
+    def _method(self):
+        """Return the method, as machine code if all participants are."""
+        packages = {table.package for table in self.case.participants.values()}
+        method = method_of(self.case.coupling)
+        return compiled_if_native(method, self.system, packages, bool(self.case.native))
 
     def _ledger(self):
         """Return the ledger of the participants whose role in the contract has a power output."""

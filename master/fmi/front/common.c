@@ -437,6 +437,17 @@ static int64_t reserved(Instance *I, const Block *blocks, int64_t count, Referen
     return UNKNOWN;
 }
 
+/* Return how many references from the first one on are consecutive within its block; 1 if it is in none. */
+static size_t run_of(const Block *blocks, int64_t count, const Reference *reference, size_t references)
+{
+    size_t run = 1;
+    for (const Block *b = blocks; b < blocks + count; b++)
+        if (*reference >= b->first && *reference < b->first + b->size)
+            while (run < references && reference[run] == *reference + run && reference[run] < b->first + b->size)
+                run++;
+    return run;
+}
+
 int front_derivative(Instance *I, const char *where, const Reference *unknown, size_t unknowns, const Reference *known,
                      size_t knowns, const double *seed, double *product)
 {
@@ -445,22 +456,27 @@ int front_derivative(Instance *I, const char *where, const Reference *unknown, s
     for (int64_t k = 0; k < I->seeds; k++)
         memset(I->real + I->seed[k].reserved, 0, (size_t)I->seed[k].size * sizeof(double));
     int moves = 0, status = OK;
-    for (size_t k = 0; k < knowns; k++) {
+    for (size_t k = 0, run; k < knowns; k += run) {
         int64_t index = reserved(I, I->seed, I->seeds, known[k]);
+        run = run_of(I->seed, I->seeds, known + k, knowns - k);
         if (index == UNKNOWN)
             return ERROR;
         if (index >= 0) {
-            I->real[index] = seed[k];
+            memcpy(I->real + index, seed + k, run * sizeof *seed);
             moves = 1;
         }
     }
     if (moves)
         status = slave_products(I);
-    for (size_t k = 0; status == OK && k < unknowns; k++) {
+    for (size_t k = 0, run; status == OK && k < unknowns; k += run) {
         int64_t index = reserved(I, I->product, I->products, unknown[k]);
+        run = run_of(I->product, I->products, unknown + k, unknowns - k);
         if (index == UNKNOWN)
             return ERROR;
-        product[k] = moves && index >= 0 ? I->real[index] : 0.0;
+        if (moves && index >= 0)
+            memcpy(product + k, I->real + index, run * sizeof *product);
+        else
+            memset(product + k, 0, run * sizeof *product);
     }
     return status;
 }

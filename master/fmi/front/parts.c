@@ -1,9 +1,12 @@
-/* Entries of the participants inside a coupled slave: what its machine code calls them by. PARTS names the packages,
-   PART(fmu_ehd) PART(fmu_mfbd). */
+/* Participants that the machine code of a coupled slave calls: the entries of those inside it, and FMI 2.0 instances of
+   the process for the iteration of `run`. PARTS names the packages, PART(fmu_ehd) PART(fmu_mfbd). */
 
 #include "native.h"
 
 #include <stddef.h>
+#include <time.h>
+
+#define EXPORT __attribute__((visibility("default")))
 
 #define PART(package) INTERNAL Entering package##_size, package##_start, package##_advance, package##_tangent;
 PARTS
@@ -15,15 +18,88 @@ static Entering *const entries[][4] = {PARTS};
 
 /* As `ParticipantRow` in master/coupling/native_block.py begins. */
 enum { CODE, REAL, REALS, INTEGER, INTEGERS, MEMORY, MEMORIES };
+enum { ADVANCE = 2 };                   /* as in master/coupling/native_system.py; other entries are derivatives */
+enum { FIRST_CALLED = 256, WARNING = 1 };       /* as in master/coupling/compiled_newton.py */
+
+/* An instance, as `Called` in master/coupling/compiled_newton.py. Its variables are inputs, outputs, seeds, products. */
+typedef struct {
+    void *component, *begin;            /* the instance, and its state at the beginning of the macro step */
+    int (*set_state)(void *, void *);
+    int (*set)(void *, const uint32_t *, size_t, const double *);
+    int (*step)(void *, double, double, int);
+    int (*get)(void *, const uint32_t *, size_t, double *);
+    int (*derive)(void *, const uint32_t *, size_t, const uint32_t *, size_t, const double *, double *);
+    const uint32_t *inputs, *outputs;
+    size_t input_count, output_count;
+    double spent, carried;              /* in steps and derivatives; in values and states [s] */
+} Called;
+
+static _Thread_local Called *called;
+static _Thread_local size_t called_count;
+
+static double now(void)
+{
+#ifdef _WIN32
+    return 0.0;                         /* `run` does not iterate by instances there */
+#else
+    struct timespec at;
+    clock_gettime(CLOCK_MONOTONIC, &at);
+    return (double)at.tv_sec + 1e-9 * (double)at.tv_nsec;
+#endif
+}
+
+/* Run an entry of an instance; 0, or a call failed. */
+static int32_t run_called(Called *one, int64_t entry, double *real, const double *numbers)
+{
+    double *outputs = real + one->input_count, *seeds = outputs + one->output_count;
+    double begun = now();
+    if (entry != ADVANCE) {
+        int status = one->derive(one->component, one->outputs, one->output_count, one->inputs, one->input_count, seeds,
+                                 seeds + one->input_count);
+        one->spent += now() - begun;
+        return status > WARNING;
+    }
+    if (one->set_state(one->component, one->begin) > WARNING
+        || one->set(one->component, one->inputs, one->input_count, real) > WARNING)
+        return 1;
+    double fed = now();
+    int status = one->step(one->component, numbers[1], numbers[0], 1 /* no state before is restored */);
+    double stepped = now();
+    if (status <= WARNING)
+        status = one->get(one->component, one->outputs, one->output_count, outputs);
+    one->spent += stepped - fed;
+    one->carried += fed - begun + now() - stepped;
+    return status > WARNING;
+}
 
 /* Entry of a participant on its part of the whole memory; 0, or an exception was raised, or there is no such code. Called within `pool_run`. */
 INTERNAL int32_t native_part(int64_t entry, const double *row, double *memory, double *numbers)
 {
-    if (!(row[CODE] < sizeof entries / sizeof *entries))
+    if (!(row[CODE] < FIRST_CALLED + called_count))
+        return -1;
+    size_t code = (size_t)row[CODE];
+    if (code >= FIRST_CALLED)
+        return run_called(called + code - FIRST_CALLED, entry, memory + (size_t)row[REAL], numbers);
+    if (code >= sizeof entries / sizeof *entries)
         return -1;
     void *result = NULL, *raised = NULL;
     const int64_t lengths[4] = {(int64_t)row[REALS], (int64_t)row[INTEGERS], (int64_t)row[MEMORIES], 4};
-    return entries[(size_t)row[CODE]][entry](&result, &raised, memory + (size_t)row[REAL],
+    return entries[code][entry](&result, &raised, memory + (size_t)row[REAL],
                                              (int64_t *)(memory + (size_t)row[INTEGER]), memory + (size_t)row[MEMORY],
                                              numbers, lengths);
+}
+
+INTERNAL Entering native_iterate;
+
+/* Iterate a macro step of instances to its fixed point (`iterate` in master/coupling/native.py); 0, or an exception was
+   raised. */
+EXPORT int coupling_iterate(Called *instances, size_t count, double *real, double *memory, double *numbers,
+                            const int64_t lengths[4])
+{
+    int64_t none = 0;
+    called = instances;
+    called_count = count;
+    int status = pool_run(native_iterate, real, &none, memory, numbers, lengths);
+    called_count = 0;
+    return status;
 }
