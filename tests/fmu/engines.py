@@ -63,6 +63,8 @@ def engine_tree(
     for wire in wires:
         if wire["to"].endswith(".film_thickness"):
             wire["tolerance"] = tolerance
+        elif wire["to"].endswith(".sliding_velocity"):
+            wire["tolerance"] = 1e-6
     names = range(1, count + 1)
     order = [*(f"film_{k}" for k in names), *(f"cylinder_{k}" for k in names), "block"]
     time = whole["time"] | {"stop": stop, "angular_speed": "cylinder_1.crank_speed"}

@@ -22,10 +22,18 @@ from piston_cosim.master.runs.run import run
 EXAMPLE = find_case("numerical_example")
 
 
+TIGHT = ("wires.0.tolerance", "1 nm"), ("wires.1.tolerance", 1e-6)
+"""Tolerances of film thickness and velocity at which runs that differ in their method agree."""
+
+
 def coarse(*changes, grid=(12, 10), modes=0):
-    """Return changes of a case with one film: cells, and modes of both bodies unless None."""
+    """Return changes of a case with one film: cells, and modes of both bodies unless None.
+
+    The tolerances are `TIGHT`.
+    """
     bodies = ("piston", "block") if modes is not None else ()
     return [
+        *TIGHT,
         *((f"participants.{name}.build.grid", list(grid)) for name in ("bodies", "ehd")),
         *((f"participants.bodies.build.{body}.modes", modes) for body in bodies),
         *changes,

@@ -6,6 +6,7 @@
 A change of these values is a change of results: renew them only with the reason in the changelog.
 """
 
+import json
 import subprocess
 import sys
 import tempfile
@@ -48,14 +49,14 @@ def run(entry, folder):
     Parameters
     ----------
     entry : dict
-        case, variant, set (changes of the case, KEY = "VALUE").
+        case, variant, set (changes of the case, KEY = VALUE).
     folder : Path
         For the results.
     """
     command = [sys.executable, "-m", "piston_cosim", "run", entry["case"], "--no-plots"]
     command += ["--only", entry["variant"], "--output", str(folder)]
     for key, value in entry["set"].items():
-        command += ["--set", f'{key}="{value}"']
+        command += ["--set", f"{key}={json.dumps(value)}"]
     subprocess.run(command, check=True, capture_output=True, text=True)
     return measure(folder / f"{entry['variant']}.h5")
 

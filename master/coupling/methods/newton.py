@@ -42,7 +42,7 @@ class Newton:
 
     max_iterations: int = 20
     largest_krylov_space: int = 120
-    accuracy: float = 0.01
+    accuracy: float = 0.1
     forcing: float = 1e-6
     differences: bool = False
 
