@@ -178,7 +178,7 @@ def check_even(tables: Tables, field: Array, fault: float, faults: Array) -> Non
     faults : ndarray
     """
     if is_mirrored(tables):
-        i, j, k = first_odd(field, tables.rows, tables.open_cells)
+        i, j, k = first_odd(field, tables.open_cells)
         if i >= 0:  # as all noted rows, from the first one of the grid
             refuse(faults, fault, i - first_row(tables), j, field[i, j], field[k, j], 0.0)
 

@@ -58,8 +58,8 @@ class Parameters:
     contact_law: str = choice("Asperity contact law", CONTACT_LAWS)
 
     film_symmetry: str = choice(
-        "Compute one half: thrust_plane for inputs that are symmetric about that plane; automatic "
-        "if the inputs at the start are so",
+        "Part of the film that is computed: thrust_plane for one half, automatic for one half if "
+        "the inputs at the start are symmetric",
         FILM_SYMMETRIES,
     )
 

@@ -483,10 +483,12 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     p = settings_from(numbers_of_settings)
     lacks_gas = p.gas_source == GAS.table and len(given.bodies.gas.angle) == 0
     check(given.bodies.fit, p, lacks_gas, faults)
-    check_half(given.bodies.half_surfaces, p, faults)
     if faults[0] > 0.0:
         return
     model = assembled(given.bodies, p)
+    check_half(model.parts.system.surfaces, p, faults)
+    if faults[0] > 0.0:
+        return
     if p.film_symmetry == AUTOMATIC:
         odd = np.zeros(ROOM)
         forces = inputs_of(real, given.places).skirt

@@ -116,6 +116,8 @@ class Mfbd(FieldSlave):
         ):
             whole = replace(parameters, film_symmetry="none")
             self.model = model_of(bodies, options, whole, own)
+        if wrong := self.model.half_faults():
+            raise BadInput(wrong)
         self._damping = Damping(*(values[name] for name in TUNABLE))
         try:
             state, outputs = self._begin(self.model, parameters, values)

@@ -7,7 +7,6 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ...master.fmi.errors import BadInput
 from ...master.fmi.noted import none_yet, sentences_of
 from ...master.fmi.symmetry import FILM_SYMMETRIES
 from ..geometry.film import FilmSurface
@@ -31,7 +30,7 @@ from .clearance import machined, surfaces
 from .contradictions import FAULT, FAULTS, Fit, check, pin_radius
 from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, bore_wall
-from .half_films import check_half, half_films, is_halved
+from .half_films import half_films, is_halved
 from .modal_damping import ModalSprings, modal_springs
 from .model import PistonInBore
 from .motion_in_space import SpaceBodies, SpaceBody, Stop
@@ -320,18 +319,9 @@ def assemble(
 ) -> PistonInBore:
     """Return the model of a piston on a tied pin."""
     setup = setup_of(ReducedBodies(piston, block), options, parameters)
-    model = _checked_model(setup, settings_of(parameters))
+    model = assembled(setup, settings_of(parameters))
     tied = model.parts._replace(surfaces=pins_in_block(()))
     return _in_bore(model._replace(parts=tied), block, options)
-
-
-def _checked_model(setup: BodySetup, p: Settings) -> BodyModel:
-    """Return the model; raise `BadInput` if one half of its films is demanded and none exists."""
-    noted = none_yet()
-    check_half(setup.half_surfaces, p, noted)
-    if wrong := sentences_of(noted, FAULTS):
-        raise BadInput(wrong)
-    return assembled(setup, p)
 
 
 def _in_bore(model: BodyModel, block: ReducedBlock, options: BuildOptions) -> PistonInBore:
@@ -365,7 +355,7 @@ def assemble_floating(
     axis = own.axis
     setup = setup_of(bodies, options, parameters)
     beam = None
-    model = _checked_model(setup, settings_of(parameters, own.pin, *own.crank.values()))
+    model = assembled(setup, settings_of(parameters, own.pin, *own.crank.values()))
     if axis:
         parts = model.parts
         beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)

@@ -100,21 +100,21 @@ def on_cells(body: ReducedBody, around: int) -> np.ndarray:
 
 
 @compilable
-def can_halve(half_surfaces: np.ndarray, p: Settings) -> bool:
-    """Return whether films and bodies are symmetric with these parameters."""
-    return count_of(half_surfaces) > 0 and p.pin_tilt == 0.0
-
-
-@compilable
 def is_halved(half_surfaces: np.ndarray, p: Settings) -> bool:
-    """Return whether one half of the films is computed."""
-    return p.film_symmetry != WHOLE and can_halve(half_surfaces, p)
+    """Return whether one half of the films is computed: it exists, is chosen, and has no tilt."""
+    return count_of(half_surfaces) > 0 and p.film_symmetry != WHOLE and p.pin_tilt == 0.0
 
 
 @compilable
-def check_half(half_surfaces: np.ndarray, p: Settings, faults: np.ndarray) -> None:
-    """Note that one half of the films is demanded and does not exist."""
-    if p.film_symmetry == THRUST_PLANE and not can_halve(half_surfaces, p):
+def is_half(surface: FilmSurface) -> bool:
+    """Return whether the grid of a surface is one half of its film."""
+    return len(surface.skirt.rows) > len(surface.skirt.angle)
+
+
+@compilable
+def check_half(surfaces: np.ndarray, p: Settings, faults: np.ndarray) -> None:
+    """Note that one half of the films is demanded, and that they are whole."""
+    if p.film_symmetry == THRUST_PLANE and not is_half(surface_at(surfaces, 0)):
         refuse(faults, FAULT.no_half, 0.0, 0.0, p.pin_tilt, 0.0, 0.0)
 
 
@@ -134,14 +134,13 @@ def check_even(surfaces: np.ndarray, forces: NodalForces, faults: np.ndarray) ->
     no_cut = np.zeros((0, 0), np.bool_)
     for s in range(count_of(surfaces)):
         surface = surface_at(surfaces, s)
-        rows = surface.skirt.rows
-        if len(rows) > len(surface.skirt.angle):
+        if is_half(surface):
             for number, stacked in (
                 (FAULT.odd_pressure_force, forces.pressure),
                 (FAULT.odd_friction_force, forces.friction),
             ):
                 force = field_of(surface, stacked, first)
-                i, j, k = first_odd(force, rows, no_cut)
+                i, j, k = first_odd(force, no_cut)
                 if i >= 0:
                     refuse(faults, number, i + 1.0, j + 1.0, force[i, j], force[k, j], 0.0)
         first += cells_of(surface)

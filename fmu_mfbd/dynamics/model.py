@@ -17,7 +17,7 @@ from .build_options import BuildOptions, FilmGrid
 from .carrier import FIXED, Carrier
 from .contradictions import FAULTS
 from .generalised_alpha import Coefficients, coefficients
-from .half_films import check_even
+from .half_films import check_even, check_half
 from .modal_damping import modal_springs
 from .parameters import Damping, Parameters
 from .pin_coordinates import layout, of_eye
@@ -302,6 +302,12 @@ class PistonInBore:
         """Return the warning about inputs that add up or have no effect, empty without one."""
         number = warning_of(self.model, stacked(inputs))
         return FAULTS[int(number)] if number >= 0.0 else ""
+
+    def half_faults(self) -> list[str]:
+        """Return the fault that one half of the films is demanded, and that they are whole."""
+        noted = none_yet()
+        check_half(self.system.surfaces, self.model.settings, noted)
+        return sentences_of(noted, FAULTS)
 
     def odd_forces(self, given: StepInputs) -> list[str]:
         """Return faults of forces on half films that are not their own mirror image."""

@@ -178,8 +178,8 @@ class Parameters:
         default=FILM_SYMMETRIES[0],
         metadata=dict(
             unit="1",
-            description="Compute one half of the skirt's films: thrust_plane for forces that are "
-            "symmetric about that plane; automatic if bodies and forces at the start are so",
+            description="Part of the skirt's films that is computed: thrust_plane for one half, "
+            "automatic for one half if bodies and forces at the start are symmetric",
             choices=FILM_SYMMETRIES,
         ),
     )

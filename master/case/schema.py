@@ -367,9 +367,8 @@ class Case(Table):
     names. Default: all participants that have a prebuilt library.
     """
     symmetric: Flag | None = None
-    """Compute one half of films that are their own mirror image about the thrust plane: true
-    rejects cases that are not symmetric, false computes whole films. Default: halves in symmetric
-    cases.
+    """Compute one half of films that are their own mirror image about the thrust plane. true
+    rejects other cases, false computes whole films. Default: halves in symmetric cases.
     """
     record: Record = Field(default_factory=lambda: Record.model_validate({}))
     """Content of the results file."""

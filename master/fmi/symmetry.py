@@ -79,7 +79,7 @@ def half_grid(n_circumferential: int) -> HalfGrid:
 
 
 @compiled
-def first_odd(field: np.ndarray, rows: np.ndarray, cut: np.ndarray):
+def first_odd(field: np.ndarray, cut: np.ndarray):
     """Return the first cell where a field is not that of its mirror image, and its image.
 
     The cell is (i, j) and its image (k, j). i is -1 if the odd part, Eq. (I14), is nowhere above
@@ -88,24 +88,27 @@ def first_odd(field: np.ndarray, rows: np.ndarray, cut: np.ndarray):
     Parameters
     ----------
     field : ndarray, shape (n, a)
-        On the ring.
-    rows : ndarray, shape (n,)
-        Of `HalfGrid`.
+        On a ring with an even number of circumferential cells.
     cut : ndarray of bool, shape (n // 2 + 1, a)
         Cells of the half to omit. Without rows there are none.
     """
     n, a = field.shape
-    largest = 0.0
-    for i in range(n):
-        k = (2 * (n // 4) - i) % n  # Eq. (I13)
+    first = n // 4
+    even, odd = 0.0, 0.0
+    for i in range(first, first + n // 2 + 1):
+        k = (2 * first - i) % n  # Eq. (I13)
         for j in range(a):
-            if len(cut) == 0 or not cut[int(rows[i]), j]:
-                largest = max(largest, abs(field[i, j] + field[k, j]) / 2)
-    for i in range(n):
-        k = (2 * (n // 4) - i) % n
+            if len(cut) == 0 or not cut[i - first, j]:
+                # Eq. (I14), twice
+                even = max(even, abs(field[i, j] + field[k, j]))
+                odd = max(odd, abs(field[i, j] - field[k, j]))
+    least = LARGEST_ODD_PART * even
+    for i in range(n if odd > least else 0):
+        k = (2 * first - i) % n
+        own = i if first <= i <= first + n // 2 else k  # in the half
         for j in range(a):
-            odd = abs(field[i, j] - field[k, j]) / 2  # Eq. (I14)
-            if odd > LARGEST_ODD_PART * largest and (len(cut) == 0 or not cut[int(rows[i]), j]):
+            is_cut = len(cut) > 0 and cut[own - first, j]
+            if abs(field[i, j] - field[k, j]) > least and not is_cut:
                 return i, j, k
     return -1, 0, 0
 
