@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable
+from ...master.fmi.compiled import compilable, compiled
 from ...master.fmi.noted import refuse
 from ...master.fmi.symmetry import THRUST_PLANE, WHOLE, first_odd, half_grid, odd_part
 from ..geometry.film import BoreSplines, FilmSurface, NodalForces
@@ -118,7 +118,7 @@ def check_half(surfaces: np.ndarray, p: Settings, faults: np.ndarray) -> None:
         refuse(faults, FAULT.no_half, 0.0, 0.0, p.pin_tilt, 0.0, 0.0)
 
 
-@compilable
+@compiled
 def check_even(surfaces: np.ndarray, forces: NodalForces, faults: np.ndarray) -> None:
     """Note forces on films of which one half is computed that are not their own mirror image.
 
