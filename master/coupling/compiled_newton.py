@@ -7,7 +7,7 @@ calls the native FMUs of this process by pointers (front/parts.c).
 import ctypes
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -163,15 +163,26 @@ class Iteration:
         self.block = np.zeros(int(first[0]))
         self.block[: len(first)] = first
         parts = parts_of(self.block)
-        parts.state[:] = row_of(nothing_yet(given))
+        parts.state[:] = _row_of(nothing_yet(given))
         self.pairs = state_from(parts.state).pairs
         self.x = np.empty(interface.size)
         self.numbers = np.zeros(NOTED + newton.max_iterations * wires)
-        self.called = (Called * len(rows))()
+        self.called = (Called * len(rows))(*map(self._called, self.names))
         self._lengths = np.array([self.x.size, 0, self.block.size, self.numbers.size])
         arrays = self.x, self.block, self.numbers, self._lengths
         pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
         self._run = lambda: run(self.called, ctypes.c_size_t(len(rows)), *pointers)
+
+    def _called(self, name: str) -> Called:
+        """Return the instance of a participant, which has started."""
+        participant: Any = self.interface.participants[name]
+        ends: Any = self.interface.ends[name]
+        component, functions = participant.addresses(FUNCTIONS)
+        called = Called(component)
+        called.functions[:] = functions
+        called.inputs, called.input_count = ends.given.references
+        called.outputs, called.output_count = ends.taken.references
+        return called
 
     def _wire(self, k: int) -> WireRow:
         """Return the row of a wire."""
@@ -202,12 +213,9 @@ class Iteration:
         self._adopt(memory)
         self.x[:] = guess
         self.numbers[:2] = step, time
-        for one, ends, called in zip(participants.values(), self.all_ends, self.called):
+        for one, called in zip(participants.values(), self.called):
             one.begin_step_at(time, step)
-            called.component, called.functions[:] = one.addresses(FUNCTIONS)
             called.begin = macro_step.saved[one.name].value
-            called.inputs, called.input_count = ends.given.references
-            called.outputs, called.output_count = ends.taken.references
             called.spent = called.carried = 0.0
         status = self._run()
         self._account()
@@ -236,6 +244,13 @@ class Iteration:
             for own, known in zip(self.pairs, memory.pairs_of(self.pairs.images.shape[1])):
                 own[...] = known
             memory.pairs = self.pairs
+
+
+def _row_of(tree: Any) -> np.ndarray:
+    """Return `row_of` a tree of numbers, faster for long arrays."""
+    if isinstance(tree, tuple):
+        return np.concatenate([_row_of(member) for member in cast(tuple[Any, ...], tree)])
+    return np.concatenate([np.shape(tree), np.ravel(tree)])
 
 
 def _variables(ends: Ends) -> int:
