@@ -67,12 +67,12 @@ def compiled_if_native(method: Method, system: System, packages: Iterable[str], 
 
     packages : of the participants; may_build : whether to build the library if there is none.
     """
-    chosen = sorted(set(packages))
+    chosen = sorted({package for package in packages if package})
     if type(method) is not Newton or method.differences or not system.wires or system.held:
         return method
     if any(wire.relative_tolerance or not wire.tolerance for wire in system.wires):
         return method
-    if not all(chosen) or not _are_native(system.participants.values()):
+    if not chosen or not _are_native(system.participants.values()):
         return method
     from ..fmi.builder_native import library_file  # slow to import
 
