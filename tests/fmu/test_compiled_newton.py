@@ -32,9 +32,10 @@ class Journal(Observer):
         self.trails.append((np.array(trail), str(failure)))
 
 
-def stepper(newton, is_compiled, *changes):
-    """Return a started stepper of the small case with native participants, and its journal."""
-    case = check_case(small_tree(("native", True), ("time.stop", "30 deg"), *changes), EXAMPLE)
+def stepper(newton, is_compiled):
+    """Return a started stepper of the small case with native half films, and its journal."""
+    own = ("native", True), ("symmetric", True), ("time.stop", "30 deg")
+    case = check_case(small_tree(*own), EXAMPLE)
     system = open_system(case, EXAMPLE.parent, print)
     start(system)
     method = compiled_if_native(newton, system, PACKAGES, True) if is_compiled else newton
