@@ -104,6 +104,8 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
     faults += _disagreements(case, declared, previews)
     if not faults:
         open_finished(case, folder, declared, faults)
+    # without its value, figures and messages would be those of a default
+    previews = {name: one for name, one in previews.items() if not _refused(case, name, declared)}
     warnings = [f"{owner}: {line}" for owner, one in previews.items() for line in one.warnings]
     warnings += _warnings_on_steps(case, folder)
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
@@ -113,7 +115,12 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
         for group in groups(case, folder, declared)
         for claim in (group.claims if group.unknown else ())
     ]
-    found = _loops(case, folder, faults) if not faults else []
+    found = _loops(case, folder, faults, remarks) if not faults else []
+    warnings += [
+        f"coupling.method: {one.unstable}"
+        for one in found
+        if one.unstable and (case.coupling.method == "explicit" or one.component.fixed)
+    ]
     return CheckedCase(path, case.title, previews, faults, warnings, remarks, found)
 
 
@@ -134,8 +141,8 @@ def _warnings_on_steps(case: Case, folder: Path) -> list[str]:
     return out
 
 
-def _loops(case: Case, folder: Path, faults: list[str]) -> "list[Loop]":
-    """Return the loops of a system of finished FMUs, measured at its start; append faults."""
+def _loops(case: Case, folder: Path, faults: list[str], remarks: list[str]) -> "list[Loop]":
+    """Return the loops of a system of finished FMUs, measured at its start; append messages."""
     tables = case.participants.values()
     if not case.wires or any(table.package for table in tables):
         return []  # it must be built first
@@ -143,7 +150,7 @@ def _loops(case: Case, folder: Path, faults: list[str]) -> "list[Loop]":
     from ..coupling.starting import closing, start
 
     try:
-        system = open_system(case, folder, lambda text: None)
+        system = open_system(case, folder, remarks.append)
         with closing(system.participants.values()):
             start(system)
             return loops(system)
@@ -168,14 +175,15 @@ def _previews(case: Case, folder: Path, declared: Ahead) -> dict[str, Preview]:
             key: [*fields[key].choices][value - 1] if fields[key].choices else value
             for key, value in given.items()
         }
-        refused = dict.fromkeys(_refused(table, given, fields))
+        refused = dict.fromkeys(_refused(case, name, declared))
         previews[name] = look(table.build, worded | refused, folder)
     return previews
 
 
-def _refused(table, taken, known):
-    """Return the given parameters that were rejected, which are already in the faults."""
-    return [key for key in table.parameters if key in known and key not in taken]
+def _refused(case: Case, name: str, declared: Ahead) -> list[str]:
+    """Return the rejected parameters of a participant, which are already in the faults."""
+    known, taken = declared.participants[name].fields, declared.parameters[name]
+    return [key for key in case.participants[name].parameters if key in known and key not in taken]
 
 
 def _disagreements(case: Case, declared: Ahead, previews: dict[str, Preview]) -> list[str]:
@@ -191,7 +199,7 @@ def _disagreements(case: Case, declared: Ahead, previews: dict[str, Preview]) ->
         if measured is None or name not in declared.participants:
             continue
         fields, values = declared.participants[name].fields, declared.parameters[name]
-        if key not in fields or key in _refused(case.participants[name], values, fields):
+        if key not in fields or key in _refused(case, name, declared):
             continue
         given = values.get(key, fields[key].start)
         if abs(given - measured.value) > APART * abs(measured.value):

@@ -32,6 +32,7 @@ from .wires import (
     check_sources,
     conversions_of,
     converting,
+    different_items,
     give_types,
     in_units_of_wires,
     is_clock,
@@ -108,6 +109,8 @@ def open_system(
     clock, begin = check_time(case, parameters, faults)
     if faults or clock is None:
         raise BadInput(faults)
+    for line in different_items(case.wires, opened):
+        progress(line)
     participants = _as_they_start(participants, wires, progress)
     wires += slopes(case, participants, wires, clock.step)
     for participant in opened.values():

@@ -98,6 +98,33 @@ def check_items(field, values):
         raise BadInput(f"expected {items_of(field)} for {field.name}, got {min(others):g}")
 
 
+def _items_by_name(field):
+    """Return the number of each item of an enumeration, by its name in lower case."""
+    return {name.casefold(): number for name, number in item_numbers(field).items()}
+
+
+def _check_item_names(source, target):
+    """Raise `BadInput` if an item has different numbers at the ends of a wire."""
+    given, taken = _items_by_name(source), _items_by_name(target)
+    if any(taken.get(name, number) != number for name, number in given.items()):
+        got = f"{items_of(source)} of {source.name}"
+        raise BadInput(f"expected {items_of(target)} as for {target.name}, got {got}")
+
+
+def different_items(tables, participants):
+    """Return messages about wires that carry a number which has different names at their ends."""
+    lines: list[str] = []
+    for table in tables:
+        ends = [port_of(port) for port in (table.source, table.target)]
+        source, target = (participants[owner].fields[name] for owner, name in ends)
+        if item_numbers(target) and _items_by_name(source).keys() - _items_by_name(target).keys():
+            lines.append(
+                f"wire {table.source} -> {table.target}: carries the number, whose names differ: "
+                f"{items_of(source)} and {items_of(target)}"
+            )
+    return lines
+
+
 OF_NUMBERS = (
     "tolerance",
     "relative_tolerance",
@@ -120,6 +147,7 @@ def wire_of(table, participants, coupling, faults):
         return None
     with collecting(faults, f"{where}: "):
         check_items(target, set(item_numbers(source).values()))
+        _check_item_names(source, target)
     if source.shape != target.shape:
         faults.append(
             f"{where}: expected equal shapes, got {source.shape} and {target.shape}; "

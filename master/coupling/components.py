@@ -240,6 +240,8 @@ class Componentwise:
             sum(one.products for one in solutions),
             sum(one.probes for one in solutions),
             held,
+            tuple(message for one in solutions for message in one.messages),
+            sum(one.unsettled for one in solutions),
         )
 
     def _is_past(self, macro_step: MacroStep, k: int) -> bool:
@@ -281,7 +283,11 @@ class Componentwise:
             second = own._replace(time=own.time + half, step=half, saved=own.saved | middle)
             moved = guess.copy()
             moved[part.elements] = begun.x
-            return self._solved(part, second, moved, memory, halvings)
+            solution = self._solved(part, second, moved, memory, halvings)
+            return solution._replace(
+                messages=begun.messages + solution.messages,
+                unsettled=begun.unsettled + solution.unsettled,
+            )
         finally:
             for name, one in members.items():
                 one.free(middle[name])

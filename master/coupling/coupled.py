@@ -222,13 +222,16 @@ class Coupled(FieldSlave):
         return self.standing, outputs
 
     def _pass_on(self):
-        """Log the warnings of the participants."""
+        """Log the warnings of the participants and wires."""
         for name, participant in self.system.participants.items():
             queue = participant.slave.log_queue
             for message in queue:
                 if message.status == Fmi2Status.warning:
                     self.log(f"{name}: {message.msg}", Fmi2Status.warning)
             queue.clear()
+        for name, warning in self.stepper.warned():
+            self.log(f"{name}: {warning.text}", Fmi2Status.warning)
+        self.stepper.warnings.clear()
 
     def directional_derivative(self, seeds: dict[str, np.ndarray]):
         """Return the change of all real outputs of the last step for a change of its inputs.

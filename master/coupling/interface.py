@@ -161,7 +161,6 @@ class Interface:
             self.discrete_inputs.setdefault(one.target[0], []).append(one)
         self._against = [w for w in discrete if is_unknown(w, list(participants), parallel)]
         self.late: dict[HeldWire, Any] = {}
-        self.reported: set[HeldWire] = set()
         self._carried: dict[HeldWire, Any] = {}
         self.spent = dict.fromkeys((*participants, "transport"), 0.0)
         self.relative = any(w.relative_tolerance for w in wires)

@@ -22,6 +22,8 @@ FEW_UNKNOWNS = 20
 """Up to so many Newton by differences needs fewer evaluations than secants learn from."""
 WEAK = 0.5
 """Gain up to which an exchange without iteration is taken to be stable and of use."""
+NEAR = 1e-3
+"""Error of a gain that is measured by differences."""
 MOST_HALVINGS = 6
 """How often the step is halved to find one of a weak gain."""
 
@@ -37,7 +39,8 @@ class Loop:
                I - J,   J = dG/dx in nominals
 
     unknowns : elements that the iteration looks for; gain, condition : NaN if not measured, for
-    the reason in `why`; method, step [s] : what the master would choose.
+    the reason in `why`; method, step [s] : what the master would choose; unstable : why an
+    exchange without iteration does not settle, or "".
     """
 
     component: Component
@@ -47,6 +50,7 @@ class Loop:
     method: str = "once"
     step: float = np.nan
     why: str = ""
+    unstable: str = ""
 
     header: ClassVar[str] = HEADER
 
@@ -107,7 +111,8 @@ def _loop(own: Part, system: System) -> Loop:
         return replace(one, why=f"not measured: more than {MOST_UNKNOWNS} unknowns")
     try:
         matrix = _matrix(own, system.begin, system.step)
-        one = replace(one, gain=_gain(matrix), condition=_condition(matrix))
+        unstable = _unstable(matrix, own)
+        one = replace(one, gain=_gain(matrix), condition=_condition(matrix), unstable=unstable)
         return _explicit(one, own, system) if own.component.fixed else _iterated(one)
     except (Discard, ParticipantFault) as failure:
         return replace(one, why=f"not measured: {failure}")
@@ -148,6 +153,27 @@ def _matrix(own: Part, begin: float, step: float) -> np.ndarray:
 
 def _gain(matrix: np.ndarray) -> float:
     return float(np.max(np.abs(np.linalg.eigvals(matrix))))  # Eq. (S4)
+
+
+def _unstable(matrix: np.ndarray, own: Part) -> str:
+    """Return why an exchange without iteration does not settle, with the output that moves most.
+
+    A change returns multiplied by the eigenvalues of J. A positive one of 1 keeps a value.
+    """
+    values, vectors = np.linalg.eig(matrix)
+    away = np.where(values.real > 0.0, np.abs(values) - NEAR, np.abs(values) + NEAR)
+    k = int(np.argmax(away))
+    if not away[k] >= 1.0:
+        return ""
+    interface = own.interface
+    element = int(interface.unknowns[np.argmax(np.abs(vectors[:, k]))])
+    wire = next(w for w, p in zip(interface.wires, interface.parts) if element < p.stop)
+    how = "grows" if np.abs(values[k]) > 1.0 + NEAR else "oscillates without damping"
+    factor = short(float(values[k].real), "1")
+    return (
+        f"expected an iteration of the loop {', '.join(own.component.names)}, got an exchange that "
+        f"{how}: a change of {'.'.join(wire.source)} is {factor} times as large after a macro step"
+    )
 
 
 def _condition(matrix: np.ndarray) -> float:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -33,10 +34,8 @@ def trials(system: System, iterates: bool = True) -> dict[str, RollbackTrial]:
     found: dict[str, RollbackTrial] = {}
     faults: list[str] = []
     for name in rolled_back(system, iterates):
-        inputs = [w.target[1] for w in (*system.wires, *system.held) if w.target[0] == name]
         with collecting(faults):
-            one = rollback_trial(system.participants[name], inputs, system.step, system.begin)
-            found[name] = one
+            found[name] = one = _trial(system, name, {})
             if one.fault and name in system.trusted:
                 faults.append(
                     f"participants.{name}.rollback: expected saved states, got {one.fault}"
@@ -52,6 +51,15 @@ def trials(system: System, iterates: bool = True) -> dict[str, RollbackTrial]:
     if faults:
         raise BadInput(faults)
     return found
+
+
+def _trial(system: System, name: str, changes: Mapping[str, Any]) -> RollbackTrial:
+    """Return the trial of a participant, with other values of some inputs."""
+    wires = (*system.wires, *system.held)
+    inputs = [w.target[1] for w in wires if w.target[0] == name]
+    outputs = {w.source[1] for w in wires if w.source[0] == name}
+    one = system.participants[name]
+    return rollback_trial(one, inputs, system.step, system.begin, changes, outputs)
 
 
 def _measure_at_values(system: System, found: dict[str, RollbackTrial]) -> None:
@@ -71,9 +79,7 @@ def _measure_at_values(system: System, found: dict[str, RollbackTrial]) -> None:
             and w.source[1] in found.get(w.source[0], RollbackTrial()).outputs
         }
         if any(map(np.any, changes.values())):
-            inputs = [w.target[1] for w in (*system.wires, *system.held) if w.target[0] == name]
-            begin = system.begin
-            one = rollback_trial(system.participants[name], inputs, system.step, begin, changes)
+            one = _trial(system, name, changes)
             found[name] = one if one.outputs else found[name]
 
 
@@ -132,6 +138,8 @@ def trial_sentences(system: System, found: Mapping[str, RollbackTrial]) -> list[
             lines.append(f"{name}: {one.fault or one.message}; {how}{hint}")
         elif one.noise:
             lines.append(f"{name}: {one.message}; its loop is iterated to {MARGIN:g} times this")
+        if one.remark:
+            lines.append(f"{name}: {one.remark}; its recorded values may be wrong")
     return lines
 
 

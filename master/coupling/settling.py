@@ -1,14 +1,11 @@
 """Macro step in which values that are not real numbers agree too: repeated solves."""
 
-import warnings
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from .interface import Interface
 from .methods import Explicit, MacroStep, Method, Solution
-from .wiring import HeldWire
+from .wiring import HeldWire, name_of
 
 MOST_SOLVES = 10
 """Solves of a macro step after which a discrete wire that still changes is held."""
@@ -27,15 +24,14 @@ def solve_settled(
     if not interface.late or isinstance(method, Explicit):
         return method.solve(macro_step, guess, memory)
     begin = dict(interface.late)
-    held: set[HeldWire] = set()
+    held: dict[HeldWire, Any] = {}
     solution = method.solve(macro_step, guess, memory)
     solves = 1
     while changed := [wire for wire in interface.unsettled() if wire not in held]:
         interface.hold(changed)
         if solves >= MOST_SOLVES:
-            held.update(changed)
-            interface.late |= {wire: begin[wire] for wire in changed}
-            _report(interface, changed, macro_step.time)
+            held |= {wire: begin[wire] for wire in changed}
+            interface.late |= held
         more = method.solve(macro_step, solution.x, memory)
         solves += 1
         solution = more._replace(
@@ -44,17 +40,9 @@ def solve_settled(
             products=solution.products + more.products,
             probes=solution.probes + more.probes,
         )
-    return solution
-
-
-def _report(interface: Interface, wires: Iterable[HeldWire], time: float) -> None:
-    """Warn once of each wire that does not settle."""
-    for wire in wires:
-        if wire not in interface.reported:
-            interface.reported.add(wire)
-            warnings.warn(
-                f"wire {'.'.join(wire.source)} -> {'.'.join(wire.target)}: expected a value that "
-                f"settles in the macro step from t = {time:.6g} s, got changes in {MOST_SOLVES} "
-                "solves; such a step holds the value at its beginning",
-                stacklevel=2,
-            )
+    text = (
+        f"expected a value that settles in the macro step, got changes in {MOST_SOLVES} solves; "
+        "the step holds the value at its beginning"
+    )
+    messages = tuple((name_of(wire), text) for wire in held)
+    return solution._replace(messages=messages, unsettled=len(held))

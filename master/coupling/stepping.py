@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault, Stopped, Ticked
+from ..participants.warned import LoggedWarnings, NamedWarning
 from .events import LARGEST_ITERATION, WHOLE, EndlessEvents, Events
 from .interface import SMALL, Interface
 from .methods import MacroStep, Method, NotConverged, Solution
@@ -45,6 +46,7 @@ class Counters:
     jacobian_evaluations: int = 0
     derivative_products: int = 0
     unconverged_steps: int = 0
+    unsettled_steps: int = 0
     energy_refused_steps: int = 0
 
     def accept(self, solution: Solution) -> None:
@@ -52,6 +54,7 @@ class Counters:
         self.steps += 1
         self.iterations.append(iterations)
         self.unconverged_steps += solution.history[-1] > 1.0
+        self.unsettled_steps += solution.unsettled > 0
         self.residual_evaluations += iterations + solution.probes
         self.jacobian_evaluations += solution.jacobians
         self.derivative_products += solution.products
@@ -156,6 +159,7 @@ class Stepper:
         self.control = control
         self.counters = Counters()
         self.failures: list[str] = []
+        self.warnings: dict[str, LoggedWarnings] = {}
         self.memory = self.method.memory()
         # a step that is neither iterated nor halved needs no saved state
         self._saves = not isinstance(self.method, Explicit) or bool(
@@ -183,6 +187,14 @@ class Stepper:
                 self._step(time, step, self.halvings)
         except EndlessEvents as failure:
             raise StepFailed(str(failure)) from None
+
+    def warn(self, name: str, text: str, time: float | None) -> None:
+        """Count a warning about a wire or an output; time : of the macro step [s], None: start."""
+        self.warnings.setdefault(name, LoggedWarnings()).add(text, time)
+
+    def warned(self) -> list[NamedWarning]:
+        """Return the first warning of each kind about each wire or output."""
+        return [(name, one) for name, many in self.warnings.items() for one in many.all()]
 
     def _between_ticks(self, time: float, step: float, halvings: int) -> None:
         """Take macro steps from one tick of a clock to the next."""
@@ -275,6 +287,8 @@ class Stepper:
         self.observer.attempted(time, step, self.interface.trail, None)
         self._was_not_finite = False
         self.counters.accept(solution)
+        for name, text in solution.messages:
+            self.warn(name, text, time)
         self.predictor.keep(time + step, solution.x)
         self.observer.accepted(time + step, solution)
 

@@ -72,6 +72,11 @@ class Wire:
         return float(np.minimum(largest, rms(residual) / max(relative, np.finfo(float).tiny)))
 
 
+def name_of(wire: Wire | HeldWire) -> str:
+    """Return "wire a.y -> b.u", also of a wire from another component."""
+    return f"wire {'.'.join(filter(None, wire.source))} -> {'.'.join(wire.target)}"
+
+
 def rms(values: np.ndarray) -> float:
     """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))

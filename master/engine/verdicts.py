@@ -116,8 +116,11 @@ def _of_summary(summary):
     if "unconverged_steps" in summary:
         count = summary["unconverged_steps"]
         steps = summary.get("steps", 0)
-        colour = "red" if count else "green"
-        yield Verdict(colour, "convergence", f"{count} of {steps} macro steps did not converge.")
+        held = summary.get("unsettled_steps", 0)
+        colour = "red" if count else "amber" if held else "green"
+        said = f"{count} of {steps} macro steps did not converge."
+        said += f" {held} held a discrete value that does not settle." if held else ""
+        yield Verdict(colour, "convergence", said)
     if "interface_work_imbalance" in summary:
         share = abs(summary["interface_work_imbalance"])
         yield Verdict(

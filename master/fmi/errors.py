@@ -127,6 +127,12 @@ class Discard(RuntimeError):
     """
 
 
+class NotFinite(Discard):
+    """Step with an output that is NaN or infinite."""
+
+    is_not_finite = True
+
+
 class Ticked(Discard):
     """Clock that ticks inside a step, at `time` [s].
 

@@ -1,6 +1,6 @@
 """Trust check of an FMU's saved states before the run: steps with and without restoring them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -19,13 +19,17 @@ LARGEST_NOISE = 1e-2
 SMALLEST_SIZE = 1e-5
 """Smallest size of an output, in nominals: LARGEST_NOISE of it is a tenth of a wire's tolerance."""
 
+UNTRIED = ("Binary", "Clock")
+"""Types of outputs that are not compared."""
+
 
 class RollbackTrial(NamedTuple):
     """Result of the trial of a participant's saved states.
 
     fault : why they cannot be used, or empty; noise : largest difference of an output after a
     restored step, relative to its size, 0 for round-off; message : about that output; sizes :
-    largest value of each output; outputs : real outputs after the last step.
+    largest value of each output; outputs : outputs after the last step; remark : about an output
+    that is neither a real number nor on a wire, which does not count.
     """
 
     fault: str = ""
@@ -33,6 +37,7 @@ class RollbackTrial(NamedTuple):
     message: str = ""
     sizes: dict[str, float] = {}
     outputs: dict[str, np.ndarray] = {}
+    remark: str = ""
 
     @property
     def is_noisy(self) -> bool:
@@ -46,6 +51,7 @@ def rollback_trial(
     step: float,
     begin: float = 0.0,
     changes: Mapping[str, Any] = MappingProxyType({}),
+    wired: Collection[str] = (),
 ) -> RollbackTrial:
     """Return whether the saved states of a started participant are reliable.
 
@@ -63,6 +69,8 @@ def rollback_trial(
         Current time of the participant [s].
     changes : mapping of str to value
         Inputs that have another value during the trial.
+    wired : collection of str
+        Its outputs on wires.
 
     Returns
     -------
@@ -78,7 +86,7 @@ def rollback_trial(
     one = _second_instance(participant, inputs)
     if one is not None:
         try:
-            trial = _compare(one, inputs, step, begin, changes)
+            trial = _compare(one, inputs, step, begin, changes, wired)
         finally:
             with suppress(ParticipantFault):
                 one.close()
@@ -96,7 +104,7 @@ def rollback_trial(
     except ParticipantFault as error:
         return RollbackTrial(f"its state cannot be saved: {error}")
     values = {name: participant.get(name) for name in inputs}
-    trial = _compare(participant, inputs, step, begin, changes)
+    trial = _compare(participant, inputs, step, begin, changes, wired)
     with suppress(ParticipantFault):
         put_back(participant, saved, values)
         participant.free(saved)
@@ -123,7 +131,12 @@ def _second_instance(participant: Any, inputs: Sequence[str]) -> Any:
 
 
 def _compare(
-    one: Any, inputs: Sequence[str], step: float, begin: float, changes: Mapping[str, Any]
+    one: Any,
+    inputs: Sequence[str],
+    step: float,
+    begin: float,
+    changes: Mapping[str, Any],
+    wired: Collection[str],
 ) -> RollbackTrial:
     """Return the difference between steps with and without saved states."""
     for name, value in changes.items():
@@ -144,11 +157,11 @@ def _compare(
         one.free(first)
     except (Discard, ParticipantFault, Finished) as error:
         return RollbackTrial(f"a step from a saved state fails: {error}")
-    return _difference(one, plain, repeated)
+    return _difference(one, plain, repeated, wired)
 
 
 def _repeat(one: Any, time: float, step: float, values: dict[str, Any]) -> dict[str, np.ndarray]:
-    """Return the real outputs after a step that is taken, undone and repeated."""
+    """Return the outputs after a step that is taken, undone and repeated."""
     saved = one.save()
     one.step(time, step)
     put_back(one, saved, values)
@@ -157,42 +170,61 @@ def _repeat(one: Any, time: float, step: float, values: dict[str, Any]) -> dict[
 
 
 def _step_outputs(one: Any, time: float, step: float) -> dict[str, np.ndarray]:
-    """Return the real outputs after a step."""
+    """Return the outputs after a step."""
     one.step(time, step)
     return _outputs(one)
 
 
 def _outputs(one: Any) -> dict[str, np.ndarray]:
-    """Return the current real outputs."""
+    """Return the current outputs: texts as they are, all others as floats."""
     return {
-        name: np.array(one.get(name), dtype=float)
+        name: np.array(one.get(name), dtype=None if field.type == "String" else float)
         for name, field in one.fields.items()
-        if field.causality == "output" and field.type == "Real" and 0 not in field.shape
+        if field.causality == "output" and field.type not in UNTRIED and 0 not in field.shape
     }
 
 
 def _difference(
-    one: Any, plain: list[dict[str, np.ndarray]], repeated: list[dict[str, np.ndarray]]
+    one: Any,
+    plain: list[dict[str, np.ndarray]],
+    repeated: list[dict[str, np.ndarray]],
+    wired: Collection[str],
 ) -> RollbackTrial:
     """Return the trial with the output that differs most."""
-    worst, message = ROUND_OFF, ""
+    worst, message, remark = ROUND_OFF, "", ""
     sizes = {
         name: max(
             SMALLEST_SIZE * (one.fields[name].nominal or 1.0),
-            *(float(np.nanmax(np.abs(row[name]), initial=0.0)) for row in (*plain, *repeated)),
+            *(_size(row[name]) for row in (*plain, *repeated)),
         )
         for name in plain[0]
     }
     for k, (before, after) in enumerate(zip(plain, repeated), 1):
         for name, value in before.items():
-            other = after[name]
-            is_equal = (value == other) | (np.isnan(value) & np.isnan(other))
-            apart = float(np.max(np.where(is_equal, 0.0, np.abs(other - value)), initial=0.0))
+            apart = _apart(value, after[name])
             share = apart / sizes[name]
-            if not share <= worst:
-                worst = share
-                message = (
-                    f"{name} differs by {apart:.3g} ({100 * share:.3g} %) after step {k} if "
-                    "states are saved and restored"
-                )
-    return RollbackTrial("", worst if message else 0.0, message, sizes, plain[-1])
+            counts = one.fields[name].type == "Real" or name in wired
+            if share <= (worst if counts else ROUND_OFF):
+                continue
+            said = (
+                f"{name} differs by {apart:.3g} ({100 * share:.3g} %) after step {k} if "
+                "states are saved and restored"
+            )
+            if counts:
+                worst, message = share, said
+            else:
+                remark = remark or said
+    return RollbackTrial("", worst if message else 0.0, message, sizes, plain[-1], remark)
+
+
+def _size(value: np.ndarray) -> float:
+    """Return the largest absolute value, 1 for texts."""
+    return float(np.nanmax(np.abs(value), initial=0.0)) if value.dtype.kind == "f" else 1.0
+
+
+def _apart(value: np.ndarray, other: np.ndarray) -> float:
+    """Return the largest difference, 1 for different texts."""
+    if value.dtype.kind != "f":
+        return float(not np.array_equal(value, other))
+    is_equal = (value == other) | (np.isnan(value) & np.isnan(other))
+    return float(np.max(np.where(is_equal, 0.0, np.abs(other - value)), initial=0.0))

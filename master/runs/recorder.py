@@ -27,7 +27,7 @@ import json
 import os
 import time as clock
 from contextlib import contextmanager, suppress
-from math import floor
+from math import floor, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -109,14 +109,20 @@ class Schedule:
         It is the multiple that `time` reaches, bit for bit the same for all divisions of steps,
         or `time`. Call it for the rows in order.
         """
-        if not self.interval:
-            return time if row % self.every == 0 else None
-        passed = floor((time - self.begin) / self.interval + NEAR)
-        if passed <= self._last:
+        if not self.is_due(row, time):
             return None
-        self._last = passed
+        if not self.interval:
+            return time
+        self._last = passed = self._passed(time)
         multiple = self.begin + passed * self.interval
         return multiple if abs(time - multiple) <= NEAR * self.interval else time
+
+    def is_due(self, row: int, time: float) -> bool:
+        """Return whether a row has a record of the fields."""
+        return self._passed(time) > self._last if self.interval else row % self.every == 0
+
+    def _passed(self, time: float) -> int:
+        return floor((time - self.begin) / self.interval + NEAR)
 
 
 class Recorder:
@@ -169,6 +175,11 @@ class Recorder:
         ports = [(owner, name) for owner, names in self.names.items() for name in names]
         self.index = {port: k for k, port in enumerate(ports, 1)}
         """Index of an output (participant, variable) in the rows."""
+        self._reals = [
+            k for (owner, name), k in self.index.items() if self._type(owner, name) == "Real"
+        ]
+        self._undefined: set[str] = set()
+        self._read: tuple[list[Any], list[Any]] | None = None
         self.crank = self._crank()
         self._make_datasets()
         self._forget()
@@ -309,14 +320,46 @@ class Recorder:
         self._instants: list[Any] = []
         self._flush_at = clock.perf_counter() + LONGEST_WAIT
 
+    def not_finite(self, time):
+        """Return the outputs to record at `time` [s] that are not finite: port -> value.
+
+        Those that were not finite at the start are omitted later, until they are finite. The row
+        that is written next has the values that are read here.
+        """
+        row, arrays = self._read = self._values(time)
+        if isfinite(sum([row[k] for k in self._reals])) and all(map(_are_finite, arrays)):
+            self._undefined.clear()
+            return {}
+        names = [f"{owner}.{name}" for owner, name in self.index]
+        values = {names[k - 1]: row[k] for k in self._reals} | dict(zip(self.ports, arrays))
+        bad: dict[str, float] = {}
+        for port, value in values.items():
+            cells = np.ravel(value)
+            if not (fine := np.isfinite(cells)).all():
+                bad[port] = cells[~fine][0]
+        if not self.rows:
+            self._undefined.update(bad)
+            return bad
+        self._undefined &= bad.keys()
+        return {port: value for port, value in bad.items() if port not in self._undefined}
+
+    def _type(self, owner, name):
+        return self.participants[owner].fields[name].type
+
+    def _values(self, time):
+        """Return the row at `time` [s] without its counters, and the fields if they are due."""
+        row = [time]
+        for listed in self._listers:
+            row += listed()
+        due = self.ports if self.schedule.is_due(self.rows, time) else ()
+        return row, [self.participants[a].get(b) for a, b in map(port_of, due)]
+
     def write(self, time, solution=None):
         """Add a row for `time` [s] from the current outputs, and return it.
 
         The next `flush` writes it.
         """
-        row = [time]
-        for listed in self._listers:
-            row += listed()
+        (row, arrays), self._read = self._read or self._values(time), None
         if solution:
             history = solution.history
             row += len(history), solution.products, history[-1]
@@ -328,9 +371,7 @@ class Recorder:
             self._instants.append(instant)
             if self.crank:
                 self._instants.append(row[self.index[self.crank]])
-            for port in self.ports:
-                owner, name = port_of(port)
-                self._instants.append(self.participants[owner].get(name))
+            self._instants += arrays
         self.rows += 1
         full = len(self._instants) >= self.flush_every * len(self.fields)
         if full or len(self._waiting) >= CHUNK * len(row) or clock.perf_counter() > self._flush_at:
@@ -361,6 +402,10 @@ class Recorder:
                 self.flush()
             self.file.close()
             self.file = None
+
+
+def _are_finite(value):
+    return bool(np.isfinite(value).all())
 
 
 def _lister(participant, names):

@@ -32,7 +32,7 @@ from ..coupling.step_control import step_control
 from ..coupling.stepping import Observer, StepFailed, Stepper
 from ..coupling.wiring import port_of
 from ..coupling.work import InterfaceWork
-from ..fmi.errors import BadInput, Finished
+from ..fmi.errors import BadInput, Finished, NotFinite
 from ..participants.fmi2 import ParticipantFault
 from ..participants.plain import NotPlain
 from ..participants.plugins import made
@@ -137,9 +137,9 @@ def run(
                 return active.go(heard)
             finally:
                 active.close()
-                for name, warning in logged_warnings(system):
-                    if warning.time is not None:
-                        say(f"{name}: warning at {warning.sentence}")
+                later = [one for one in logged_warnings(system) if one[1].time is not None]
+                for name, warning in [*later, *active.stepper.warned()]:
+                    say(f"{name}: warning at {warning.sentence}")
         except (StepFailed, ParticipantFault, CannotWrite) as stop:
             stop.add_note(checkpoint_message(output))
             raise
@@ -276,6 +276,8 @@ class ActiveRun(Observer):
         """
         if not self.account.rows:
             self._begin_period()
+            for port, value in self.recorder.not_finite(self.system.begin).items():
+                self.stepper.warn(port, f"expected a finite output, got {value}", None)
             self.recorder.write(self.system.begin)
         ended = self._period(heard)
         while not ended and self._goes_on():
@@ -430,7 +432,13 @@ class ActiveRun(Observer):
         self.watch(time, end, solution, monitored)
 
     def judge(self, time, solution):
-        """Raise EnergyCreated if the step that ends at `time` created spurious energy."""
+        """Raise Discard or EnergyCreated for a step that cannot be accepted.
+
+        An output that is recorded is not finite at `time`, or the step created spurious energy.
+        """
+        if found := self.recorder.not_finite(time):
+            port, value = next(iter(found.items()))
+            raise NotFinite(f"{port}: expected a finite output, got {value}")
         if self.account.ledger:
             _, exchange = self._exchanged(time, solution)
             self.account.ledger.check(self.system.participants, exchange)
@@ -475,7 +483,7 @@ class ActiveRun(Observer):
         later = logged_warnings(self.system)
         if self.is_resumed:
             later = [one for one in later if one[1].time is not None]
-        return merged(self.earlier, later)
+        return merged(self.earlier, [*later, *self.stepper.warned()])
 
     @cached_property
     def fingerprints(self):
@@ -535,6 +543,7 @@ def summarise(account, control, wall_time):
     return {
         "steps": counters.steps,
         "unconverged_steps": counters.unconverged_steps,
+        **({"unsettled_steps": counters.unsettled_steps} if counters.unsettled_steps else {}),
         "halved_steps": counters.halved_steps,
         **controlled,
         "mean_iterations": float(np.mean(counters.iterations)),

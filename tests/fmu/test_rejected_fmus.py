@@ -10,7 +10,7 @@ from piston_cosim.master.fmi.errors import BadInput
 
 from ..command import call
 from .c_fmus import Variable
-from .test_reported import Y, fmu, folder, last, refused, run  # noqa: F401
+from .reported import Y, fmu, folder, last, refused, run  # noqa: F401
 
 
 def test_booleans_written_as_0_and_1():

@@ -1,12 +1,12 @@
 """No iteration: the loose coupling of most co-simulation tools."""
 
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
 
+from ...fmi.quantities import short
 from ..interface import Evaluation, Interface
-from ..wiring import Wire
+from ..wiring import Wire, name_of
 from .solution import NotConverged, Solution, Tried, check_finite
 
 RISES = 10
@@ -17,6 +17,18 @@ LARGEST_GROWTH = 1e9
 """Growth of the residual, at least of one tolerance, that an exchange may have."""
 UNRESOLVED = 0.5
 """A residual above this share of the values is not the change of a resolved signal."""
+MOST_LAGS = 3
+"""Macro steps after which a residual may return with the opposite sign: as many as the unknowns
+of a ring of gain -1 in Jacobi's order.
+"""
+OPPOSITE, UNDAMPED = 0.2, 0.98
+"""A residual that returns with the opposite sign: the largest share by which it may differ, and the
+least share of its size. In RISES macro steps it then loses less than a fifth.
+"""
+STEADY, LEAST_GROWTH = 1e-3, 1.02
+"""Largest change of a growth factor that counts as constant over RISES macro steps, and the least
+factor. Powers of time up to the fourth, which grow by a falling factor, stay below.
+"""
 
 
 @dataclass
@@ -39,6 +51,14 @@ class Growth:
         Macro steps so far.
     warned : bool
         The warning has been given.
+    changes : tuple of ndarray
+        Residuals in nominals of up to MOST_LAGS macro steps, the last one first.
+    returns : tuple of int
+        Successive macro steps whose residual is an earlier one with the opposite sign, by lag.
+    factor : float
+        Growth factor of the residual where it became constant.
+    steady : int
+        Successive macro steps with this factor.
     """
 
     last: float = 0.0
@@ -48,6 +68,10 @@ class Growth:
     early: float = 1.0
     steps: int = 0
     warned: bool = False
+    changes: tuple[np.ndarray, ...] = ()
+    returns: tuple[int, ...] = (0,) * MOST_LAGS
+    factor: float = 0.0
+    steady: int = 0
 
     def note(self, residual: float) -> None:
         """Note the residual / tolerance of a macro step."""
@@ -61,10 +85,34 @@ class Growth:
             self.early = max(self.early, residual)
         self.last = residual
 
+    def compare(self, change: np.ndarray) -> None:
+        """Compare a residual in nominals with those of the macro steps before."""
+        size = float(change @ change)
+        products = [float(change @ past) for past in self.changes]
+        sizes = [float(past @ past) for past in self.changes]
+        likes = [
+            size + 2.0 * product + other <= OPPOSITE**2 * size and size >= UNDAMPED**2 * other > 0.0
+            for product, other in zip(products, sizes)
+        ]
+        self.returns = tuple(like * (count + 1) for like, count in zip(likes, self.returns))
+        self.returns += (0,) * (MOST_LAGS - len(likes))
+        factor = products[0] / sizes[0] if sizes and sizes[0] else 0.0
+        if abs(factor - self.factor) <= STEADY:
+            self.steady += 1
+        else:
+            self.factor, self.steady = factor, 0
+        self.changes = (change, *self.changes[: MOST_LAGS - 1])
+
     @property
     def is_due(self) -> bool:
-        """Return whether the residual has grown or doubled in RISES macro steps since a check."""
-        return self.doublings >= RISES or self.rises % RISES == 0 < self.rises
+        """Return whether a check is due: after RISES macro steps of one kind, see `Explicit`."""
+        grows = self.doublings >= RISES or self.rises % RISES == 0 < self.rises
+        return grows or self.grows_steadily or max(self.returns) >= RISES
+
+    @property
+    def grows_steadily(self) -> bool:
+        """Return whether the residual has grown by a constant factor in RISES macro steps."""
+        return self.steady >= RISES and self.factor >= LEAST_GROWTH
 
     @property
     def is_unstable(self) -> bool:
@@ -83,7 +131,8 @@ class Explicit:
     Stable only where the coupling is weak. The run stops if the residual, which is the change of
     the wires against the order, grows in RISES successive macro steps by LARGEST_GROWTH and is
     more than half of the values, or in a loop doubles in each of them. The run warns once if it
-    grows by as much as LARGEST_GROWTH with breaks, or less in a loop without a break.
+    grows by as much as LARGEST_GROWTH with breaks, or less in a loop without a break. It also warns
+    if the residual of a loop changes its sign without damping, or grows by a constant factor.
     """
 
     def memory(self) -> Growth:
@@ -93,14 +142,18 @@ class Explicit:
         interface = macro_step.interface
         at = getattr(macro_step, "evaluate_once", macro_step.evaluate)(guess)
         history = (interface.measure(at.residual, at.outputs),)
+        messages = ()
         if history[0] <= 1.0:
             memory.note(history[0])
+            memory.changes = ()
         else:
             check_finite(interface, at, history)
             memory.note(_residual(interface, at) if interface.relative else history[0])
+            unknowns = interface.unknowns
+            memory.compare(at.residual[unknowns] / interface.nominal[unknowns])
             if memory.last > LARGEST_GROWTH or memory.is_due:
-                _check_growth(interface, at, history, memory)
-        return Solution(at.outputs, history, held=at.used)
+                messages = _check_growth(interface, at, history, memory)
+        return Solution(at.outputs, history, held=at.used, messages=messages)
 
 
 def _residual(interface: Interface, at: Evaluation) -> float:
@@ -110,12 +163,11 @@ def _residual(interface: Interface, at: Evaluation) -> float:
 
 def _check_growth(
     interface: Interface, at: Evaluation, history: tuple[float, ...], memory: Growth
-) -> None:
-    """Raise NotConverged if the exchange is unstable; warn if it has grown by as much."""
+) -> tuple[tuple[str, str], ...]:
+    """Return the warning about an exchange; raise NotConverged if it is unstable."""
     sizes = np.abs(np.where(interface.feedback, at.residual, 0.0) / interface.nominal)
     element = int(np.argmax(sizes))
     wire = next(w for w, p in zip(interface.wires, interface.parts) if element < p.stop)
-    name = f"wire {'.'.join(wire.source)} -> {'.'.join(wire.target)}"
     hint = 'explicit exchange is unstable here; use method = "newton" or a shorter macro step'
     values = float(np.max(np.abs(at.outputs / interface.nominal)))
     is_loop, unresolved = _closes_loop(interface, wire), sizes[element] > UNRESOLVED * values
@@ -123,23 +175,29 @@ def _check_growth(
     if doubles or (memory.is_unstable and unresolved):
         growth = memory.last / memory.base
         raise NotConverged(
-            f"{name}: expected an exchange that stays bounded, got a residual that grew "
+            f"{name_of(wire)}: expected an exchange that stays bounded, got a residual that grew "
             f"{growth:.2g}-fold in {memory.rises} macro steps; {hint}",
             interface,
             at,
             history,
             is_final=True,
         )
-    swings = memory.rises >= RISES and is_loop and unresolved
-    if not memory.warned and (swings or memory.last > LARGEST_GROWTH * memory.early):
-        memory.warned = True
-        growth = memory.last / (memory.base if swings else memory.early)
-        span = f"in {memory.rises} macro steps" if swings else "since the start"
-        warnings.warn(
-            f"{name}: the residual grew {growth:.2g}-fold {span}; if the values should "
-            f"stay bounded, {hint}",
-            stacklevel=2,
-        )
+    if memory.warned:
+        return ()
+    if memory.rises >= RISES and is_loop and unresolved:
+        growth = memory.last / memory.base
+        got = f"the residual grew {growth:.2g}-fold in {memory.rises} macro steps"
+    elif max(memory.returns) >= RISES and is_loop:
+        size = short(float(abs(at.residual[element])), wire.unit)
+        got = f"an undamped oscillation changes the output by {size} in each macro step"
+    elif memory.grows_steadily and is_loop:
+        got = f"the residual grew {memory.factor:.4g}-fold in each of {memory.steady} macro steps"
+    elif memory.last > LARGEST_GROWTH * memory.early:
+        got = f"the residual grew {memory.last / memory.early:.2g}-fold since the start"
+    else:
+        return ()
+    memory.warned = True
+    return ((name_of(wire), f"{got}; if the values should stay bounded, {hint}"),)
 
 
 def _closes_loop(interface: Interface, wire: Wire) -> bool:

@@ -42,7 +42,8 @@ class Solution(NamedTuple):
     x : the wires at its end, which the next step goes by; held : what the inputs were set to where
     that is something else, in a step that was not iterated; history : `Interface.measure` of every
     iteration; jacobians : linearisations; products : directional derivatives of the whole
-    evaluation; probes : evaluations that took their place.
+    evaluation; probes : evaluations that took their place; messages : warnings, each the name of a
+    wire and a text; unsettled : number of discrete wires that were held because they do not settle.
     """
 
     x: np.ndarray
@@ -51,6 +52,8 @@ class Solution(NamedTuple):
     products: int = 0
     probes: int = 0
     held: np.ndarray | None = None
+    messages: tuple[tuple[str, str], ...] = ()
+    unsettled: int = 0
 
     @property
     def inputs(self) -> np.ndarray:
