@@ -24,6 +24,8 @@ LEAST_GAS, HIGH_GAS = 0.05e6, 30e6
 """Highest gas pressures [Pa] below and above those of engines."""
 ABSOLUTE = 0.7e5, 1.5e5
 """Mean gas pressure of the exhaust stroke in absolute pressure [Pa]."""
+LEAST_EXHAUST = -0.3e5
+"""Mean gauge pressure in the exhaust below that of engines, our own choice [Pa]."""
 EXHAUST = {720: (225.0, 345.0), 360: (150.0, 210.0)}
 """Crank angles after firing top dead centre with an open exhaust, by the length of the cycle
 [deg]."""
@@ -166,6 +168,12 @@ def messages_on_gas(table: GasTable) -> list[Message]:
             "expected gauge pressure, about 0 there"
         )
         out.append(Message("warning", text))
+    elif not LEAST_EXHAUST < mean < ABSOLUTE[1]:
+        text = (
+            f"mean gas pressure in the exhaust = {short(mean, 'Pa')}: expected gauge pressure near "
+            "0; check that the table is neither absolute nor reduced twice"
+        )
+        out.append(Message("remark", text))
     return out
 
 

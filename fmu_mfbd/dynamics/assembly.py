@@ -478,6 +478,10 @@ def assemble_in_space(
     return PistonInSpace(planar, parts)
 
 
+LARGEST_OFFSET = 0.5
+"""Largest offset of the pin, by the skirt radius: our own choice, many times that of engines."""
+
+
 def faults(
     bodies: ReducedBodies,
     options: BuildOptions,
@@ -489,6 +493,10 @@ def faults(
 
     `radii` are those of flexible shells [m], by surface. Default: those of `bodies`.
     """
+    offset, most = options.piston.pin_offset, LARGEST_OFFSET * bodies.piston.radius
+    if abs(offset) > most:
+        got = f"expected at most {1e3 * most:.4g} mm on both sides, got {1e3 * offset:.4g} mm"
+        return [f"build.piston.pin_offset: {got}, a share of the skirt radius"]
     noted = none_yet()
     lacks_gas = parameters.gas_source == "table" and not options.gas
     fit = fit_of(bodies, options, bodies.radii() if radii is None else radii)

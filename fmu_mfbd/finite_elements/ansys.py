@@ -31,6 +31,12 @@ SOLIDS |= {"185", "186", "190", "226", "227", "232", "237", "240", "278", "279",
 """Other solid elements. The reader skips all others, for example contact, shells and springs."""
 
 
+BRICKS = {"45": 8, "185": 8, "95": 20, "186": 20}
+"""Numbers of nodes of the structural bricks, which repeat nodes to become tetrahedra."""
+OF_BRICK = (0, 1, 2, 4, 8, 9, 11, 16, 17, 18)
+"""Nodes of a ten-node tetrahedron in a brick: I, J, K, M, and Q, R, T, Y, Z, A."""
+
+
 class Element(NamedTuple):
     """Element of an EBLOCK.
 
@@ -117,6 +123,8 @@ def read_ansys(path: Path) -> Deck:
     groups = dict(archive.components)
     for label, type_number, material, nodes, solid, body in archive.elements:
         kind = archive.kinds.get(type_number, "")
+        if (brick := BRICKS.get(kind)) and is_tetrahedron(nodes):
+            kind, nodes = "187", [([*nodes, *[0] * 12])[k] for k in OF_BRICK if k < brick]
         if kind in TETRAHEDRA:
             owner = f"element {label}, SOLID{kind}"
             tets[label] = rows_of(rows, _nodes(nodes, TETRAHEDRA[kind], owner), owner)
@@ -147,6 +155,11 @@ def read_ansys(path: Path) -> Deck:
         },
         materials=materials,
     )
+
+
+def is_tetrahedron(nodes: list[int]) -> bool:
+    """Return whether a brick repeats its corners, K = L and M = N = O = P, as a tetrahedron."""
+    return nodes[2:3] == nodes[3:4] and len(nodes) >= 8 and len({*nodes[4:8]}) == 1
 
 
 def _nodes(nodes, count, owner):

@@ -211,12 +211,13 @@ FORMATS = (
 UNREADABLE = "expected a mesh file, got other or incomplete content"
 READERS = {
     r"\s*\$MeshFormat": read_gmsh,
-    r"(?im)^\*keyword\b": None,  # LS-DYNA has keywords of Abaqus
+    r"(?im)^\*keyword\b": "a deck of LS-DYNA; export Abaqus or Nastran",  # with words of Abaqus
+    r"\A\s*-1\s*\n\s*\d+\s*\n": "a universal file (UNV); export MED, or Nastran",
     r"(?im)^[ \t]*((n|e|cm|et)block|/prep7)\b": read_ansys,
     r"(?im)^[ \t]*\*\s*(node|part|heading|include|element)\b": read_abaqus,
     r"(?im)^[ \t]*(begin\s+bulk|include\s+['\"]|(grid|ctetra)\*?[\s,])": read_nastran,
 }
-"""Readers by what a file contains; the first match counts, and None is not supported."""
+"""Readers by what a file contains, or what it is instead; the first match counts."""
 BY_MESHIO = (".vtu", ".vtk", ".mesh", ".meshb", ".xdmf", ".vol", ".su2", ".e", ".exo")
 """Suffixes of formats that meshio reads, with named surfaces if the format has them."""
 
@@ -232,7 +233,10 @@ def _reader(path):
         return _by_meshio
     text = text_of(path)
     readers = (reader for pattern, reader in READERS.items() if re.search(pattern, text))
-    if reader := next(readers, None):
+    reader = next(readers, None)
+    if isinstance(reader, str):
+        raise MeshFault(f"expected a mesh file that is read, got {reader}; {FORMATS}")
+    if reader:
         return reader
     raise MeshFault(f"{UNREADABLE}; {FORMATS}")
 

@@ -312,4 +312,10 @@ def _split(line):
         width = 64 // size
         data = [line[k : k + size].strip() for k in range(8, min(72, len(line)), size)]
         rest = [line[72:].strip()]
+        if any(" " in text for text in (*parts, *data)):  # free fields between blanks
+            parts = line.split() if line[:1].strip() else ["", *line.split()]
+            data, rest = parts[1 : 1 + width], parts[1 + width :]
+    if len(rest) > 1 and any(rest[1:]):
+        got = f"got {width + len(rest)}; continue it on a line that begins with +"
+        raise MeshFault(f"{parts[0] or 'line'}: expected at most {width} fields and a mark, {got}")
     return parts[0], data + [""] * (width - len(data)), (rest or [""])[0].lstrip("+*")

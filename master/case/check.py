@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..fmi.errors import BadInput, ParticipantFault
 from ..fmi.preview import Figure, Preview
-from ..fmi.quantities import short
+from ..fmi.quantities import short, to_si
 from ..fmi.tree import import_part
 from .ahead import Ahead, ahead, faults_ahead, run_ahead
 from .checked import check_case
@@ -125,7 +125,7 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
 
 
 def _warnings_on_steps(case: Case, folder: Path) -> list[str]:
-    """Return warnings on a run of very many macro steps, and on a very long macro step."""
+    """Return warnings on a run of very many macro steps, a long macro step and the period."""
     clock, _ = run_ahead(case, folder)
     if clock is None:
         return []
@@ -133,6 +133,13 @@ def _warnings_on_steps(case: Case, folder: Path) -> list[str]:
     steps, by_period = clock.stop / clock.step, clock.period / clock.step
     if steps > MOST_STEPS:
         out.append(f"time.stop = {case.time.stop}: the run has {steps:.2g} macro steps")
+    if (cycle := case.cycle) and case.time.period and case.time.angular_speed:
+        cycles = to_si(case.time.period, "rad") / to_si(cycle, "rad")
+        if abs(cycles - round(cycles)) > APART:
+            out.append(
+                f"time.period = {case.time.period}: expected a multiple of {cycle}, the cycle of "
+                "gas or speed; a summary of the last period is not that of a cycle"
+            )
     if 0.0 < by_period < FEWEST_STEPS:
         out.append(
             f"time.step = {case.time.step}: expected at least {FEWEST_STEPS} macro steps in a "

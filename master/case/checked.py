@@ -8,13 +8,14 @@ from typing import Any
 from pydantic import ValidationError
 
 from ..fmi.errors import BadInput
-from ..fmi.option_classes import is_key, sentences
+from ..fmi.option_classes import is_key, sentences, without_flags
 from .ahead import faults_ahead
 from .schema import Case
 
 
 def check_case(tree: dict[str, Any], path: Path) -> Case:
     """Return the `Case` of a TOML tree; raise `BadInput` with every fault and its path."""
+    tree = without_flags(tree, Case)
     try:
         return Case.model_validate(tree)
     except ValidationError as error:

@@ -379,6 +379,8 @@ def _swapped(trees, role, texts, say):
     def model_of(text):
         """Return participant, name of the model, and its FMU or None for a parameter."""
         name, model = replaced_participant(first, role, text)
+        if model.endswith(".py"):
+            raise BadInput(f"--{role}: expected FILE.py:CLASS, got {model!r} without a class")
         if parameter and not model.endswith(".fmu") and ".py:" not in model:
             return name, model, None
         fmu = fmu_of_model(role, model, first["participants"][name], say)

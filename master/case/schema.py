@@ -199,7 +199,7 @@ class Advanced(Table):
     """Relative size of what is new in a secant below which it is dropped."""
     differences: Flag = False
     """Use finite differences instead of the participants' directional derivatives."""
-    halvings: int = Field(6, ge=0)
+    halvings: int = Field(6, ge=0, le=50)
     """Maximum number of halvings of a macro step that fails."""
 
 
@@ -513,6 +513,11 @@ class Case(Table):
         """
         if self.time.period or self.time.angular_speed is None:
             return self.time.period
+        return self.cycle or "360 deg"
+
+    @property
+    def cycle(self) -> str | None:
+        """Cycle of gas or of tables of gas and speed, None without them."""
         tables = [
             table.build[key]
             for table in self.participants.values()
@@ -520,8 +525,9 @@ class Case(Table):
             if isinstance(table.build.get(key), dict)
         ]
         blown = any(wire.target.endswith(".gas_pressure") for wire in self.wires)
-        four = blown or any(table.get("strokes", 4) == 4 for table in tables)
-        return "720 deg" if four else "360 deg"
+        if blown or any(table.get("strokes", 4) == 4 for table in tables):
+            return "720 deg"
+        return "360 deg" if tables else None
 
     def axes_of(self, port: str) -> Axes:
         """Return the axes of a field "participant.name"."""

@@ -100,8 +100,11 @@ def quantity_of(text, field, is_difference=False):
     if is_difference:
         definition = replace(definition, offset=0.0)
     base = definition.base
-    if "rad" not in dict(definition.exponents) and is_known(field.unit):
-        base += f".rad{angle_power(pint_unit(field.unit)):g}"  # FMI allows to omit the angle
+    omitted = "rad" not in dict(definition.exponents) and is_known(field.unit)
+    if omitted and (power := angle_power(pint_unit(field.unit))):
+        base += f".rad{power:g}"  # FMI allows to omit the angle
+    if base == "1":  # in percent, because a bare number is ambiguous
+        definition, base = replace(definition, factor=100.0 * definition.factor), "%"
     try:
         return definition.from_base(to_si(text, base, is_difference))
     except ValueError as error:

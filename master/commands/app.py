@@ -14,7 +14,7 @@ from rich.console import Console
 
 from ..fmi.errors import BadInput, Stopped
 from ..runs.signals import ending_soon
-from .usage import check_values, faults_of
+from .usage import check_values, faults_of, is_damaged
 
 STARTED = time.perf_counter()
 SUMMARY = "Simulate the elastohydrodynamic lubrication of flexible pistons as an FMI co-simulation."
@@ -97,7 +97,7 @@ def main():
     except KeyboardInterrupt as error:
         say_faults(f"\nstopped:[/] by {str(error) or 'SIGINT'}", [])
     except (CycloptsError, BadInput, OSError) as error:
-        if isinstance(error, OSError) and not error.filename:
+        if isinstance(error, OSError) and not (error.filename or is_damaged(error)):
             raise  # not a file of the user
         faults = faults_of(error)
         title = f"bad input[/], {len(faults)} fault{'s' * (len(faults) > 1)}:"

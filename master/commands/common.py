@@ -18,12 +18,16 @@ from ..case.reading import case_names, find_case, read_tree
 from ..fmi.errors import BadInput, for_all, unknown
 from ..fmi.tree import import_part
 from ..runs.working import working
-from .usage import new_file, new_folder, picture_file, positive
+from .usage import new_file, new_folder, picture_file, positive, whole
 
 console = Console()
 
 OutputFile = Annotated[Path, Parameter(validator=new_file)]
-Workers = Annotated[int, Parameter(validator=positive)]
+Whole = Annotated[int, Parameter(converter=whole)]
+"""Whole number, without the rounding of cyclopts."""
+Workers = Annotated[Whole, Parameter(validator=positive)]
+Moment = Annotated[str, Parameter(allow_leading_hyphen=True)]
+"""Time, crank angle or extreme of a run."""
 PictureFile = Annotated[Path, Parameter(validator=(picture_file, new_file))]
 OutputFolder = Annotated[Path, Parameter(validator=new_folder)]
 Format = Literal["png", "svg", "pdf"]
@@ -130,14 +134,19 @@ def open_runs(files):
     """
     from ..results.file import open_results
 
+    resolved = [file.resolve() for file in files]
     if not files:
         raise BadInput("files: expected at least one results file, got nothing")
-    labels = [
-        file.stem
-        if sum(f.stem == file.stem for f in files) == 1
-        else f"{file.parent.name}/{file.stem}"
-        for file in files
-    ]
+    repeated = next((f for k, f in enumerate(files) if f.resolve() in resolved[:k]), None)
+    if repeated:
+        raise BadInput(f"files: expected different files, got {str(repeated)!r} twice")
+    labels = [file.stem for file in files]
+    for longer in (lambda f: f"{f.parent.name}/{f.stem}", lambda f: str(f.with_suffix(""))):
+        if len(set(labels)) < len(files):
+            labels = [
+                longer(file) if labels.count(label) > 1 else label
+                for file, label in zip(files, labels)
+            ]
     runs = dict(zip(labels, for_all(open_results, files)))
     return check_case(next(iter(runs.values())).case, files[0]), runs
 

@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from ..engine.new import SIZES, engine, write_case
+from ..case.reading import case_names
+from ..engine.new import SIZES, engine, unusual, write_case
 from ..engine.piston_mesh import mesh_of_sizes
 from ..engine.step_mesh import mesh_of_step
 from ..fmi.errors import BadInput
@@ -81,6 +82,10 @@ def command(
             with working(console, "meshing"):
                 mesh_of_sizes(made, piston, mesh)
         found = write_case(made, name, mesh)
+    found.warnings.extend(unusual(made))
+    if str(name) in case_names():
+        text = "a shipped case has this name; in this folder, commands use yours"
+        found.remarks.append(f"{name}: {text}")
     tell(f"case     {found.path}")
     print_checked(found, name / "check.png")
     tell(f"run it   piston-cosim run {quote(str(name))}", markup=False)

@@ -31,7 +31,14 @@ def faults_of(error: Exception) -> list[str]:
         return error.faults
     if isinstance(error, CycloptsError):
         return [_of_call(error)]
+    if is_damaged(error):
+        return ["files: expected complete results files, got a damaged one; run again"]
     return [file_fault(None, error)]
+
+
+def is_damaged(error: Exception) -> bool:
+    """Return whether an error is that of HDF5 for content that cannot be read."""
+    return isinstance(error, OSError) and "synchronously" in str(error)
 
 
 def _of_call(error: CycloptsError) -> str:
@@ -48,6 +55,8 @@ def _of_call(error: CycloptsError) -> str:
         case usage.MissingArgumentError():
             return f"{_name(error)}: expected a value, got nothing"
         case usage.CoercionError():
+            if (said := str(error.msg or "")).startswith("expected"):
+                return f"{_name(error)}: {said}"  # of `whole`
             value = error.token.value if error.token else ""
             choices = get_args(error.target_type)
             if choices and all(isinstance(one, str) for one in choices):
@@ -99,6 +108,14 @@ def positive(_type: Any, value: float | None) -> None:
     """Raise `ValueError` unless a number is above 0; a validator of options."""
     if value is not None and not value > 0:
         raise ValueError(f"expected a number above 0, got {value}")
+
+
+def whole(_type: Any, tokens: Sequence[Any]) -> int:
+    """Return a whole number; a converter of options that raises `ValueError` for others."""
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"expected a whole number, got {tokens[0].value!r}") from None
 
 
 def new_folder(_type: Any, path: Path | None) -> None:

@@ -354,6 +354,32 @@ def engine(
     return found
 
 
+UNUSUAL = 6.0
+"""Factor between a size and its estimate that hints at a wrong unit: our own choice."""
+USUAL_ROD = 1.7
+"""Length of the rod in strokes."""
+MAY_BE_SMALL = ("barrel", "ovality", "skirt_above", "centre")
+"""Sizes that may be far below their estimate."""
+
+
+def unusual(found: Engine) -> list[str]:
+    """Return warnings about sizes that are far from an estimate by lengths and masses."""
+    larger = {name: value * (1 + (name != "compression")) for name, value in found.sizes.items()}
+    rules = {name: size.rule for name, size in SIZES.items() if size.rule}
+    rules["rod"] = lambda s: USUAL_ROD * s["stroke"]
+    out: list[str] = []
+    for name in sorted(found.given & rules.keys()):
+        value, estimate, unit = found[name], rules[name](found.sizes), SIZES[name].unit
+        scales = rules[name](larger) != estimate
+        is_low = value < estimate / UNUSUAL and name not in MAY_BE_SMALL
+        if scales and (value > UNUSUAL * estimate or is_low):
+            out.append(
+                f"{option_of(name)} = {_in(value, unit)} {unit}: our estimate is "
+                f"{_in(estimate, unit)} {unit}; check its unit"
+            )
+    return out
+
+
 def _contradictions(found: Engine) -> list[str]:
     """Return the contradictions between sizes that are each in range."""
     faults = []

@@ -112,7 +112,7 @@ def compiler_of(platform: str) -> tuple[str, ...] | None:
         if found := shutil.which(command[0]):
             return (found, *command[1:])
         if command[0] == "zig" and find_spec("ziglang"):
-            return (sys.executable, "-m", "ziglang", *command[1:])
+            return (sys.executable, "-P", "-m", "ziglang", *command[1:])
     return None
 
 

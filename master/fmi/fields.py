@@ -24,6 +24,14 @@ TYPES_3 = {
 """FMI 2 types of FMI 3 types. Binary and Clock have no FMI 2 type."""
 VENDOR = "piston-cosim"
 """Tool name of the VendorAnnotations with the reserved references of derivatives."""
+WHOLE = re.compile(r"[-+]?\d+")
+STARTS = {
+    "Real": re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|INF|inf)|NaN|nan"),
+    "Integer": WHOLE,
+    "Enumeration": WHOLE,
+    "Boolean": re.compile("true|false|0|1"),
+}
+"""Start values of XML by type, each a list of words for arrays."""
 NO_NUMBERS = ("String", "Binary", "Clock")
 """Types that cannot be recorded as numbers."""
 
@@ -241,6 +249,11 @@ def _described(
     definition = units.get(first.unit)
     if definition and first.relativeQuantity:
         definition = replace(definition, offset=0.0)
+    for variable in variables if kind in STARTS else ():
+        for word in str(variable.start or "").split():
+            if not STARTS[kind].fullmatch(word):
+                got = f"expected {kind} values as start, got {variable.start!r}"
+                raise ValueError(f"{variable.name}: {got}")
     number = dict.fromkeys(("nominal", "min", "max"))
     for key in number if kind in ("Real", "Integer", "Enumeration") else ():
         if (value := getattr(first, key)) not in (None, ""):

@@ -155,7 +155,7 @@ def object_files(
         With the message of numba or LLVM.
     """
     with tempfile.TemporaryDirectory() as scratch:
-        command = [sys.executable, "-m", __name__, package, str(kept), scratch, *platforms]
+        command = [sys.executable, "-P", "-m", __name__, package, str(kept), scratch, *platforms]
         around = Path(sys.modules[ROOT].__path__[0]).parent
         # last: files next to a checkout must not hide modules of the same name
         path = os.pathsep.join([*filter(None, sys.path), str(around)])

@@ -8,13 +8,13 @@ key is the text below it in its class, which is read when a schema is requested.
 import ast
 import inspect
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import cache
 from itertools import pairwise, takewhile
 from textwrap import dedent
-from typing import Annotated, Any, TypeGuard, TypeVar, cast
+from typing import Annotated, Any, TypeGuard, TypeVar, cast, get_args
 
 from pydantic import BaseModel, Strict, ValidationError
 
@@ -81,9 +81,42 @@ def _texts_below(kind: type) -> dict[str, str]:
 def validated(kind: type[Options], options: Mapping[str, Any]) -> Options:
     """Return the options of a class; raise `BadInput` with every fault."""
     try:
-        return kind.model_validate(dict(options))
+        return kind.model_validate(without_flags(dict(options), kind))
     except ValidationError as error:
         raise BadInput(sentences(error, kind)) from None
+
+
+NUMBERS = {int, float}
+ANYTHING = {bool, dict, list, Any}
+"""Types of values that may be true or false, or contain it."""
+
+
+def without_flags(value: Any, kind: Any) -> Any:
+    """Return a value of a type with true and false as text where only numbers are valid.
+
+    pydantic would read true as 1.
+    """
+    kinds = set(_kinds(kind))
+    if isinstance(value, bool):
+        return str(value).lower() if kinds & NUMBERS and not kinds & ANYTHING else value
+    if isinstance(value, list):
+        return [without_flags(one, kind) for one in cast(list[Any], value)]
+    if not isinstance(value, Mapping):
+        return value
+    fields: dict[str, Any] = {}
+    for one in kinds:
+        if isinstance(one, type) and issubclass(one, BaseModel):
+            fields |= {f.alias or name: f.annotation for name, f in one.model_fields.items()}
+    table = cast(Mapping[str, Any], value)
+    return {key: without_flags(one, fields.get(key, kind)) for key, one in table.items()}
+
+
+def _kinds(kind: Any) -> Iterator[Any]:
+    """Yield a type and the types in it."""
+    yield kind
+    for one in get_args(kind):
+        if isinstance(one, Hashable):
+            yield from _kinds(one)
 
 
 def sentences(error: ValidationError, kind: type[BaseModel]) -> list[str]:

@@ -172,9 +172,11 @@ def _by_pint(value: str | float, unit: str, is_difference: bool = False) -> floa
         given = quantity(str(value))
     except ValueError:
         raise _not_a_quantity(value, unit) from None
-    if _is_apart(given, unit):
-        raise _not_a_quantity(value, unit)
     target = pint_unit(unit)
+    # a bare number for a unit such as % is a share or in the unit: factor 100
+    bare = not given.units._units and registry().Quantity(1.0, target).to_root_units().m != 1.0
+    if _is_apart(given, unit) or bare:
+        raise _not_a_quantity(value, unit)
     zero = registry().Quantity(0.0, given.units).to(target).magnitude if is_difference else 0.0
     return float(given.to(target).magnitude - zero)
 

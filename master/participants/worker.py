@@ -37,7 +37,7 @@ class Worker:
         text = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import spawn_main; "
         with there:
             self._process = subprocess.Popen(
-                [sys.executable, "-c", f"{text}spawn_main({there.fileno()})"],
+                [sys.executable, "-P", "-c", f"{text}spawn_main({there.fileno()})"],
                 pass_fds=(there.fileno(),),
             )
         self.pipe = Connection(here.detach())

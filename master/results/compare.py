@@ -134,6 +134,9 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
     except (OSError, UnicodeDecodeError) as error:
         raise BadInput(file_fault(path, error)) from None
     heads = [HEADER.match(cell) for cell in rows[0]] if rows else []
+    if heads and not any(heads):
+        got = f"got {rows[0][0]!r} in the first of {len(heads)} columns"
+        raise BadInput(f"{path}: expected a header 'participant.variable [unit]', {got}")
     faults = [
         f"{path}, column {k + 1}: expected 'participant.variable [unit]', got {rows[0][k]!r}"
         for k, head in enumerate(heads)

@@ -28,7 +28,7 @@ def to_xarray(results: Recorded, case: Case) -> Any:
     angle = crank_angle_port(case)
     coordinates = {"time": ("time", results.time, {"units": "s", "long_name": "time"})}
     variables = {}
-    for port in results.ports:
+    for port in (*results.ports, *results.texts):
         values, unit, description = results.series(port)
         variables[port] = ("time", values, {"units": unit, "long_name": description})
     if angle in variables:
@@ -57,7 +57,7 @@ def to_xarray(results: Recorded, case: Case) -> Any:
 def to_dataframe(results: Recorded) -> Any:
     """Return the table of `Results.to_dataframe`."""
     pandas = _library("pandas")
-    series = {port: results.series(port) for port in results.ports}
+    series = {port: results.series(port) for port in (*results.ports, *results.texts)}
     table = pandas.DataFrame(
         {port: values for port, (values, _, _) in series.items()},
         index=pandas.Index(results.time, name="time"),

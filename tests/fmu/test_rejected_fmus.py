@@ -54,6 +54,10 @@ TWICE = b'<ScalarVariable name="y" valueReference="2" causality="output"><Real/>
             'variability="continuous"',
         ),
         (
+            replaced(b"<Real />", b'<Real start="1,5"/>'),
+            "y: expected Real values as start, got",
+        ),
+        (
             replaced(b"</ModelVariables>", TWICE + b"</ModelVariables>"),
             "expected variables with different names, got 'y' in lines 7 and 7",
         ),

@@ -45,6 +45,10 @@ def test_texts_are_recorded_and_handed_on_as_they_are(version):
     assert texts[4] == b"gr\374n".decode(errors="surrogateescape") and texts[5] == ""
     assert sorted(results.series("b.y").values) == [0] + 10 * [4]
     assert results.texts == ["a.ys"] and "a.ys" not in results.ports
+    for words in ("scalars", "snapshot --participant a"):
+        done = call("results", *words.split(), "o.h5", "--output", "s.csv")
+        text = Path("s.csv").read_bytes()
+        assert done.returncode == 0 and (b'"gr\374n"' in text or b'"gr\\udcfcn"' in text), text
 
 
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
@@ -131,6 +135,24 @@ def test_an_enumeration_has_its_items_only():
     assert refused({"t": "t.csv", "b": b}, ["t.mode -> b.u"]) == words
     b = fmu("b", variables, before=MODE.format('<Item name="off"/>'))
     assert "Mode: expected an enumeration of names with whole numbers" in refused({"b": b})
+
+
+def test_enumerations_on_a_wire_have_the_same_items(caplog):
+    """A name with another number is a fault. Other names of a number are only a message."""
+    attributes = 'declaredType="Mode"'
+    a = fmu(
+        "a", [Variable("y", 101, "output", "Enumeration", attributes)], before=MODE.format(ITEMS)
+    )
+    inlet = [Variable("u", 102, "input", "Enumeration", f'{attributes} start="1"')]
+    swapped = '<Item name="full power" value="1"/><Item name="OFF" value="5"/>'
+    b = fmu("b", inlet, before=MODE.format(swapped))
+    words = "a.y -> b.u: expected one of 'full power' (1), 'OFF' (5) as for u, got one of 'off' (1)"
+    assert words in refused({"a": a, "b": b}, ["a.y -> b.u"])
+    german = '<Item name="aus" value="0"/><Item name="Off" value="1"/><Item name="voll" value="5"/>'
+    b = fmu("b", inlet, before=MODE.format(german))
+    with caplog.at_level("INFO", logger="piston_cosim"):
+        run({"a": a, "b": b}, ["a.y -> b.u"])
+    assert "wire a.y -> b.u: carries the number, whose names differ: " in caplog.text
 
 
 def test_arrays_without_elements():

@@ -36,6 +36,12 @@ OUTER = {
 }
 
 
+def test_child_processes_import_no_module_from_the_folder():
+    """Without -P, `python -m` and `python -c` put the current folder with its numpy.py first."""
+    own = (path.read_text() for part in PARTS for path in (ROOT / part).rglob("*.py"))
+    assert not [text for text in own if re.search(r'sys\.executable, "-[mc]"', text)]
+
+
 def test_import_contracts_hold():
     run = subprocess.run(
         [

@@ -54,6 +54,11 @@ def test_a_parameter_out_of_range_is_the_only_fault(key, value):
     assert f"{key}: expected " in fault and f", got {value}" in fault
 
 
+def test_a_rejected_parameter_has_no_figures_of_its_default():
+    found = check("data_sheet", [("crank_radius", "7 bar")])
+    assert found.faults and list(found.previews) == ["ehd"] and not found.remarks
+
+
 def test_the_command(tmp_path, capsys):
     command("data_sheet", picture=tmp_path / "look.png")
     printed = capsys.readouterr().out

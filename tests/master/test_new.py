@@ -2,6 +2,7 @@
 
 import sys
 from math import pi, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import piston_cosim as pc
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.commands.new import Sizes, command
-from piston_cosim.master.engine.new import CYCLE, SIZES, engine, write_case
+from piston_cosim.master.engine.new import CYCLE, SIZES, engine, unusual, write_case
 from piston_cosim.master.engine.piston_mesh import mesh_of_sizes, shape
 from piston_cosim.master.engine.verdicts import verdicts
 from piston_cosim.master.fmi.errors import BadInput
@@ -147,6 +148,18 @@ def test_the_command(tmp_path, capsys):
 def test_sizes_that_make_no_piston(tmp_path, given, message):
     with pytest.raises(BadInput, match=message):
         mesh_of_sizes(engine(SQUARE | given), "slipper", tmp_path / "piston.msh.xz")
+
+
+def test_sizes_of_a_wrong_unit_and_a_shipped_name_are_told(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    given = {"rod": "1430", "mass": "40000", "skirt_below": "200", "bore": "86", "stroke": "86"}
+    command(Path("data_sheet"), sizes=Sizes(**given))
+    said = capsys.readouterr().out
+    for option in ("--rod = 1430 mm", "--mass = 40000 g", "--skirt-below = 200 mm"):
+        assert f"warning  {option}: our estimate is" in said
+    assert "data_sheet: a shipped case has this name" in said and "3 warnings, 2 remarks" in said
+    usual = {"rod": "143", "mass": "400", "skirt_below": "30", "bore": "86", "stroke": "86"}
+    assert unusual(engine(usual)) == []
 
 
 def test_a_diesels_slipper_has_thick_walls():

@@ -134,6 +134,8 @@ def test_a_quantity_is_one_number_with_its_unit(text, unit, value):
         ("5 percent", "rad", "'10 deg'"),
         ("5 deg", "1", "'0.5'"),
         ("2*3 mm", "m", "'1 mm'"),
+        ("50", "%", "'50 %'"),  # a share of 50, or 50 %
+        ("0.5", "ppm", "'0.5 ppm'"),
     ],
 )
 def test_what_is_no_quantity_of_the_unit(text, unit, hint):

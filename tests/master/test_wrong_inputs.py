@@ -19,6 +19,7 @@ import piston_cosim as pc
 from piston_cosim.master.case.check import CheckedCase, check
 from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.commands.app import main
+from piston_cosim.master.commands.usage import faults_of
 from piston_cosim.master.fmi.errors import BadInput
 
 LONGEST = 5.0
@@ -157,6 +158,16 @@ SAID = {
     f"{SHEET} viscosity=nan": "viscosity: expected a finite number, got nan",
     f"{SHEET} native=yes": "native: expected true or false or a list, got 'yes'",
     f"{SHEET} piston.symmetric_film=1": "symmetric_film: expected true or false, got 1",
+    f"{SHEET} coupling.advanced.halvings=true": "halvings: expected a whole number, got 'true'",
+    f"{SHEET} coupling.advanced.halvings=1e9": "halvings: expected a value of at most 50, got 1",
+    f"{SHEET} coupling.relaxation=true": "relaxation: expected a number, got 'true'",
+    f"{SHEET} bodies.build.grid=[true,40]": "grid.0: expected a whole number, got 'true'",
+    "run data_sheet --jobs 1.5": "--jobs: expected a whole number, got '1.5'",
+    "run data_sheet --lubrication x.py": "expected FILE.py:CLASS, got 'x.py' without a class",
+    "results scalars good.h5 --output s.xlsx": "--output: expected .csv, got 's.xlsx'",
+    "results plot good.h5 folder/../good.h5": "expected different files, got 'folder/../good.h5'",
+    "results report good.h5 --measured text.csv": "expected a header 'participant.variable [unit]'",
+    f"{SNAPSHOT} --time '-1 ms'": "expected a time of the run, 0 s to 50 ms, got '-1 ms'",
     "results scalars good.h5 --output good.h5": "--output: expected no results file, which",
     f"{SNAPSHOT[:-6]}good.h5 --time '1 ms'": "--output: expected no results file, which only",
     "run data_sheet --output ''": "--output: expected a value, got ''",
@@ -250,6 +261,7 @@ WRONG_CASES = {
     ("1.39 kg", "0 kg"): "mass: expected a value above 0 kg, got '0 kg'",
     ("26.5 mm", '26.5 mm", "0 mm'): "centre: expected a list of at most 2 entries, got",
     ("-45.5 mm", "45.5 mm"): "skirt_lower: expected a height below skirt_upper = 0.0373 m, got",
+    ("skirt_lower =", 'pin_offset = "80 mm"\nskirt_lower ='): "pin_offset: expected at most 27.4",
     ("54.95 mm", "55.173 mm"): "expected a skirt radius below the bore radius, 0.055 m, got",
     ('bore_radius = "55', 'bore_radius = "45'): "expected 55 mm, the bore radius of bodies, got 45",
     ("82.8 mm", "82 mm"): "skirt_length: expected 82.8 mm, the skirt length of bodies, got 82 mm",
@@ -296,6 +308,7 @@ DOUBTFUL_CASES = {
         "[participants.ehd.build]",
         "[participants.ehd.build]\noil = 'sae_0w_20'",
     ): "viscosity: no ef",
+    ("[time]", '[time]\nperiod = "180 deg"'): "period = 180 deg: expected a multiple of 720 deg",
     ('barrel = "40 um"', 'barrel = "0 um"'): "a straight skirt carries on its edges",
 }
 """Replacements in it, and a part of a warning."""
@@ -420,6 +433,13 @@ def test_a_doubtful_value_of_a_case_is_a_warning(change, tmp_path):
     found = sheet_with(tmp_path, change)
     assert found.faults == []
     assert any(DOUBTFUL_CASES[change] in line for line in found.warnings), found.warnings
+
+
+def test_a_damaged_file_is_a_fault():
+    error = OSError("Can't synchronously read data (filter returned failure during read)")
+    assert faults_of(error) == [
+        "files: expected complete results files, got a damaged one; run again"
+    ]
 
 
 @pytest.mark.parametrize("text", WRONG_TABLES)

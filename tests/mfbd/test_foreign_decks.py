@@ -223,6 +223,12 @@ DECKS = {
     "unused_node.bdf": ("GRID,99,5,1.,30.,0.\n" + NASTRAN, {}, ""),
     "exponents.bdf": (NASTRAN.replace("0.05", "5.-2").replace("0.04", "4.d-2"), {}, ""),
     "no_middle.bdf": (NASTRAN.replace(",9,10", ",9"), {}, "1 midside nodes omitted"),
+    "blanks.bdf": ((grid(NODES, 0) + CTETRA).replace(",", " "), {}, ""),
+    "long_line.bdf": (
+        grid() + CTETRA.replace("\n,", ",", 1),
+        None,
+        "CTETRA: expected at most 8 fields and a mark",
+    ),
     "include.bdf": (f"BEGIN BULK\nINCLUDE 'mesh\\grid.txt'\n{CTETRA}ENDDATA\n", {}, ""),
     "two_materials.fem": (
         NASTRAN + grid(MIRROR, "", 21) + "CTETRA,2,2,21,22,23,24,25,26\n,27,28,29,30\n"
@@ -265,6 +271,17 @@ DECKS = {
     "no_corner.cdb": (ANSYS + solids((1, 1, [1, 2, 0, *TEN[3:]])), None, "four corners of each"),
     "two_materials.cdb": (ANSYS + solids((1, 1, TEN), (1, 2, TEN)), {}, "MAT 1: 1, MAT 2: 1"),
     "thermal.cdb": (ANSYS.replace("187", "87") + ONE, None, "got 1 SOLID87; only structural"),
+    "repeated_nodes.cdb": (
+        ANSYS.replace("187", "186")
+        + solids((1, 1, [1, 2, 3, 3, 4, 4, 4, 4, 5, 6, 3, 7, 4, 4, 4, 4, 8, 9, 10, 10])),
+        {},
+        "",
+    ),
+    "repeated_corners.cdb": (
+        ANSYS.replace("187", "185") + solids((1, 1, [1, 2, 3, 3, 4, 4, 4, 4])),
+        {},
+        "linear",
+    ),
     "hexahedron.dat": (ANSYS + "ET,2,186\n" + solids((1, 1, TEN), (2, 1, TEN)), None, "SOLID186"),
     # gmsh
     "blank.msh": (GMSH.replace('"skirt"', '"skirt "'), {"skirt": 1, "all": 1}, ""),
@@ -282,8 +299,8 @@ DECKS = {
         None,
         "a mesh of tetrahedra, got geometry; mesh it",
     ),
-    "ls_dyna.k": ("*KEYWORD\n" + ABAQUS, None, "readable suffixes: .msh"),
-    "ideas.unv": ("    -1\n  2411\n", None, "readable suffixes: .msh"),
+    "ls_dyna.k": ("*KEYWORD\n" + ABAQUS, None, "got a deck of LS-DYNA; export Abaqus"),
+    "ideas.unv": ("    -1\n  2411\n", None, r"got a universal file \(UNV\); export MED"),
     "cut_off.inp.xz": ("no archive", None, "expected a compressed mesh, got"),
     "text.med": ("no HDF5", None, "expected a MED file in HDF5"),
     "empty.inp": ("", None, "readable suffixes: .msh"),

@@ -5,7 +5,7 @@ from pathlib import Path
 from ...fmi.errors import BadInput
 from ...results import fields_export as exports
 from ...results.instants import instant
-from ..common import OutputFile, open_run, tell
+from ..common import Moment, OutputFile, Whole, open_run, tell
 
 
 def command(
@@ -14,9 +14,9 @@ def command(
     *,
     field: list[str],
     output: OutputFile,
-    time: str | None = None,
-    i: int | None = None,
-    j: int | None = None,
+    time: Moment | None = None,
+    i: Whole | None = None,
+    j: Whole | None = None,
 ):
     """Write recorded fields as CSV.
 

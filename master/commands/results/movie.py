@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ...runs.working import working
-from ..common import OutputFile, body_skins, console, open_runs, say, tell
+from ..common import OutputFile, Whole, body_skins, console, open_runs, say, tell
 
 
 def command(
@@ -11,7 +11,7 @@ def command(
     /,
     *,
     field: list[str] = [],
-    frames: int = 90,
+    frames: Whole = 90,
     case: str | None = None,
     output: OutputFile | None = None,
 ):

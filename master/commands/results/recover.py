@@ -6,7 +6,7 @@ from ...api.bodies import OFFLINE
 from ...fmi.errors import BadInput
 from ...fmi.tree import import_part
 from ...results.instants import instant, instant_text
-from ..common import OutputFolder, bodies_of, case_folder, say, tell
+from ..common import Moment, OutputFolder, bodies_of, case_folder, say, tell
 
 PORT = "{}.modal_coordinate"
 
@@ -15,7 +15,7 @@ def command(
     file: Path,
     /,
     *,
-    time: list[str],
+    time: list[Moment],
     case: str | None = None,
     output: OutputFolder | None = None,
 ):

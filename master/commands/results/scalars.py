@@ -1,16 +1,16 @@
 """`piston-cosim results scalars`."""
 
+import csv
 from pathlib import Path
 
-from fmpy.util import write_csv
-
+from ...fmi.errors import BadInput
 from ..common import OutputFile, open_run, tell
 
 
 def command(file: Path, /, *, output: OutputFile):
     """Write all scalar outputs as CSV.
 
-    Values are in SI units. FMPy and the FMI cross-check read the same format.
+    Values are in SI units. FMPy and the FMI cross-check read the same format. Texts are in quotes.
 
     Example: piston-cosim results scalars results/numerical_example/flexible.h5
     --output flexible.csv
@@ -23,5 +23,11 @@ def command(file: Path, /, *, output: OutputFile):
         CSV file: a column `time` and a column for every PARTICIPANT.VARIABLE.
     """
     _, results = open_run(file)
-    write_csv(output, results.structured())
+    if output.suffix != ".csv":
+        raise BadInput(f"--output: expected .csv, got {str(output)!r}")
+    columns = {port: results.series(port).values for port in (*results.ports, *results.texts)}
+    with output.open("w", newline="", encoding="utf-8", errors="surrogateescape") as file:
+        rows = csv.writer(file, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
+        rows.writerow(["time", *columns])
+        rows.writerows(zip(*(values.tolist() for values in (results.time, *columns.values()))))
     tell(f"scalars  {output}")

@@ -8,10 +8,10 @@ import numpy as np
 from ...fmi.errors import BadInput, unknown
 from ...results.file import open_results
 from ...results.instants import instant, instant_text
-from ..common import OutputFile, tell
+from ..common import Moment, OutputFile, tell
 
 
-def command(file: Path, /, *, participant: str, output: OutputFile, time: str | None = None):
+def command(file: Path, /, *, participant: str, output: OutputFile, time: Moment | None = None):
     """Write the state of a participant at one instant.
 
     Another run starts from that state if its case sets `start = "start.json"` in the table
@@ -44,7 +44,7 @@ def command(file: Path, /, *, participant: str, output: OutputFile, time: str | 
         k = int(np.argmin(np.abs(instants - instant(results, time))))
     row = int(np.argmin(np.abs(results.time - instants[k])))
     values = {
-        name: float(results.series(f"{participant}.{name}").values[row])
+        name: results.series(f"{participant}.{name}").values[row : row + 1].tolist()[0]
         for name in results.file[participant]
     }
     if participant in results.file["fields"]:
