@@ -26,8 +26,9 @@ engine="h5netcdf")` has time, angle and height as named coordinates.
 import json
 import os
 import time as clock
+from collections.abc import Sequence
 from contextlib import contextmanager, suppress
-from math import floor, isfinite
+from math import floor
 from pathlib import Path
 from typing import Any
 
@@ -109,11 +110,12 @@ class Schedule:
         It is the multiple that `time` reaches, bit for bit the same for all divisions of steps,
         or `time`. Call it for the rows in order.
         """
-        if not self.is_due(row, time):
-            return None
         if not self.interval:
-            return time
-        self._last = passed = self._passed(time)
+            return time if row % self.every == 0 else None
+        passed = self._passed(time)
+        if passed <= self._last:
+            return None
+        self._last = passed
         multiple = self.begin + passed * self.interval
         return multiple if abs(time - multiple) <= NEAR * self.interval else time
 
@@ -178,8 +180,9 @@ class Recorder:
         self._reals = [
             k for (owner, name), k in self.index.items() if self._type(owner, name) == "Real"
         ]
+        self._are_all_real = len(self._reals) == len(self.index)
         self._undefined: set[str] = set()
-        self._read: tuple[list[Any], list[Any]] | None = None
+        self._read: tuple[list[Any], Sequence[Any]] | None = None
         self.crank = self._crank()
         self._make_datasets()
         self._forget()
@@ -327,8 +330,11 @@ class Recorder:
         that is written next has the values that are read here.
         """
         row, arrays = self._read = self._values(time)
-        if isfinite(sum([row[k] for k in self._reals])) and all(map(_are_finite, arrays)):
-            self._undefined.clear()
+        reals = row if self._are_all_real else [row[k] for k in self._reals]
+        total = sum(reals)
+        if total - total == 0.0 and (not arrays or all(map(_are_finite, arrays))):
+            if self._undefined:
+                self._undefined.clear()
             return {}
         names = [f"{owner}.{name}" for owner, name in self.index]
         values = {names[k - 1]: row[k] for k in self._reals} | dict(zip(self.ports, arrays))
@@ -351,8 +357,9 @@ class Recorder:
         row = [time]
         for listed in self._listers:
             row += listed()
-        due = self.ports if self.schedule.is_due(self.rows, time) else ()
-        return row, [self.participants[a].get(b) for a, b in map(port_of, due)]
+        if not self.ports or not self.schedule.is_due(self.rows, time):
+            return row, ()
+        return row, [self.participants[a].get(b) for a, b in map(port_of, self.ports)]
 
     def write(self, time, solution=None):
         """Add a row for `time` [s] from the current outputs, and return it.

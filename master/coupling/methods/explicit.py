@@ -1,5 +1,6 @@
 """No iteration: the loose coupling of most co-simulation tools."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +26,8 @@ OPPOSITE, UNDAMPED = 0.2, 0.98
 """A residual that returns with the opposite sign: the largest share by which it may differ, and the
 least share of its size. In RISES macro steps it then loses less than a fifth.
 """
+LASTING = 0.45
+"""Least share of the last residual above which one lasts, so that it is compared at all."""
 STEADY, LEAST_GROWTH = 1e-3, 1.02
 """Largest change of a growth factor that counts as constant over RISES macro steps, and the least
 factor. Powers of time up to the fourth, which grow by a falling factor, stay below.
@@ -51,14 +54,10 @@ class Growth:
         Macro steps so far.
     warned : bool
         The warning has been given.
+    lasting : int
+        Successive macro steps in which it has kept at least LASTING of its size.
     changes : tuple of ndarray
-        Residuals in nominals of up to MOST_LAGS macro steps, the last one first.
-    returns : tuple of int
-        Successive macro steps whose residual is an earlier one with the opposite sign, by lag.
-    factor : float
-        Growth factor of the residual where it became constant.
-    steady : int
-        Successive macro steps with this factor.
+        Residuals of up to RISES + 1 macro steps, the last one first.
     """
 
     last: float = 0.0
@@ -68,14 +67,13 @@ class Growth:
     early: float = 1.0
     steps: int = 0
     warned: bool = False
+    lasting: int = 0
     changes: tuple[np.ndarray, ...] = ()
-    returns: tuple[int, ...] = (0,) * MOST_LAGS
-    factor: float = 0.0
-    steady: int = 0
 
     def note(self, residual: float) -> None:
         """Note the residual / tolerance of a macro step."""
         self.steps += 1
+        self.lasting = self.lasting + 1 if residual >= LASTING * self.last and residual else 0
         self.doublings = self.doublings + 1 if residual >= 2.0 * self.last and residual else 0
         if self.steps > 1 and residual > self.last:
             self.rises += 1
@@ -85,34 +83,11 @@ class Growth:
             self.early = max(self.early, residual)
         self.last = residual
 
-    def compare(self, change: np.ndarray) -> None:
-        """Compare a residual in nominals with those of the macro steps before."""
-        size = float(change @ change)
-        products = [float(change @ past) for past in self.changes]
-        sizes = [float(past @ past) for past in self.changes]
-        likes = [
-            size + 2.0 * product + other <= OPPOSITE**2 * size and size >= UNDAMPED**2 * other > 0.0
-            for product, other in zip(products, sizes)
-        ]
-        self.returns = tuple(like * (count + 1) for like, count in zip(likes, self.returns))
-        self.returns += (0,) * (MOST_LAGS - len(likes))
-        factor = products[0] / sizes[0] if sizes and sizes[0] else 0.0
-        if abs(factor - self.factor) <= STEADY:
-            self.steady += 1
-        else:
-            self.factor, self.steady = factor, 0
-        self.changes = (change, *self.changes[: MOST_LAGS - 1])
-
     @property
     def is_due(self) -> bool:
-        """Return whether a check is due: after RISES macro steps of one kind, see `Explicit`."""
+        """Return whether a check is due, after RISES macro steps without a break."""
         grows = self.doublings >= RISES or self.rises % RISES == 0 < self.rises
-        return grows or self.grows_steadily or max(self.returns) >= RISES
-
-    @property
-    def grows_steadily(self) -> bool:
-        """Return whether the residual has grown by a constant factor in RISES macro steps."""
-        return self.steady >= RISES and self.factor >= LEAST_GROWTH
+        return grows or self.lasting % RISES == 0 < self.lasting
 
     @property
     def is_unstable(self) -> bool:
@@ -149,8 +124,7 @@ class Explicit:
         else:
             check_finite(interface, at, history)
             memory.note(_residual(interface, at) if interface.relative else history[0])
-            unknowns = interface.unknowns
-            memory.compare(at.residual[unknowns] / interface.nominal[unknowns])
+            memory.changes = (at.residual, *memory.changes[:RISES])
             if memory.last > LARGEST_GROWTH or memory.is_due:
                 messages = _check_growth(interface, at, history, memory)
         return Solution(at.outputs, history, held=at.used, messages=messages)
@@ -184,20 +158,43 @@ def _check_growth(
         )
     if memory.warned:
         return ()
+    swings, factor = _repetition(interface, memory.changes) if is_loop else (False, 0.0)
     if memory.rises >= RISES and is_loop and unresolved:
         growth = memory.last / memory.base
         got = f"the residual grew {growth:.2g}-fold in {memory.rises} macro steps"
-    elif max(memory.returns) >= RISES and is_loop:
+    elif swings:
         size = short(float(abs(at.residual[element])), wire.unit)
         got = f"an undamped oscillation changes the output by {size} in each macro step"
-    elif memory.grows_steadily and is_loop:
-        got = f"the residual grew {memory.factor:.4g}-fold in each of {memory.steady} macro steps"
+    elif factor:
+        got = f"the residual grew {factor:.4g}-fold in each of {RISES} macro steps"
     elif memory.last > LARGEST_GROWTH * memory.early:
         got = f"the residual grew {memory.last / memory.early:.2g}-fold since the start"
     else:
         return ()
     memory.warned = True
     return ((name_of(wire), f"{got}; if the values should stay bounded, {hint}"),)
+
+
+def _repetition(interface: Interface, changes: Sequence[np.ndarray]) -> tuple[bool, float]:
+    """Return whether residuals oscillate without damping, and their constant growth factor or 0.
+
+    changes : those of successive macro steps, the last one first.
+    """
+    if len(changes) <= RISES:
+        return False, 0.0
+    rows = (np.array(changes) / interface.nominal)[:, interface.unknowns]
+    swings = any(_returns(rows[:-lag], rows[lag:]) for lag in range(1, MOST_LAGS + 1))
+    products = np.sum(rows[:-1] * rows[1:], axis=1)
+    factors = products / np.maximum(np.sum(rows[1:] ** 2, axis=1), np.finfo(float).tiny)
+    is_steady = np.ptp(factors) <= STEADY and factors.min() >= LEAST_GROWTH
+    return swings, float(factors[0]) if is_steady else 0.0
+
+
+def _returns(later: np.ndarray, earlier: np.ndarray) -> bool:
+    """Return whether each residual is the earlier one with the opposite sign."""
+    sizes = np.linalg.norm(later, axis=1)
+    are_opposite = np.linalg.norm(later + earlier, axis=1) <= OPPOSITE * sizes
+    return bool((are_opposite & (sizes >= UNDAMPED * np.linalg.norm(earlier, axis=1))).all())
 
 
 def _closes_loop(interface: Interface, wire: Wire) -> bool:
