@@ -175,6 +175,9 @@ class Case:
                 "iteration; level INFO of this logger lists them",
                 self.name,
             )
+        for line in summary.get("warnings", ()):
+            if line.startswith("wire ") or "expected a finite output" in line:
+                log.warning("%s: %s", self.name, line)
         state_truncation(tree, self.path.parent, output, log.info)
         return Results(output)
 

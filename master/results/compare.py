@@ -16,6 +16,8 @@ from .pictures import labelled, name_of, unit_shown
 
 HEADER = re.compile(r"^\s*(?P<port>\w+\.\w+)(?:\s+(?P<bound>low|high))?\s*\[(?P<unit>.+)\]\s*$")
 
+MOST_FAULTS = 5
+"""Maximum number of faulty columns in a message."""
 BOUNDS = ("low", "high")
 """Suffixes of the port in the headers of a measured band."""
 
@@ -142,6 +144,9 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
         for k, head in enumerate(heads)
         if not head
     ]
+    if (more := len(faults) - MOST_FAULTS) > 0:
+        got = f"got {more} further ones without a port"
+        faults[MOST_FAULTS:] = [f"{path}: expected ports in all columns, {got}"]
     if faults or len(heads) < 2:
         got = len(heads) or "an empty file"
         raise BadInput(faults or f"{path}: expected a header of at least two columns, got {got}")

@@ -193,6 +193,9 @@ class Recorder:
             self._take_over()
         os.replace(fresh, self.partial)
         self.file.swmr_mode = True
+        self.undefined = self.not_finite(self.schedule.begin)
+        """Values of outputs that are not finite when the recorder begins: port -> value."""
+        self._undefined, self._read = {*self.undefined}, None
 
     def _crank(self):
         """Return the (participant, output) of the crank angle, None if there is none."""
@@ -326,15 +329,15 @@ class Recorder:
     def not_finite(self, time):
         """Return the outputs to record at `time` [s] that are not finite: port -> value.
 
-        Those that were not finite at the start are omitted later, until they are finite. The row
-        that is written next has the values that are read here.
+        Those that are `undefined` are omitted until they are finite. The row that is written next
+        has the values that are read here.
         """
         row, arrays = self._read = self._values(time)
         reals = row if self._are_all_real else [row[k] for k in self._reals]
         total = sum(reals)
         if total - total == 0.0 and (not arrays or all(map(_are_finite, arrays))):
             if self._undefined:
-                self._undefined.clear()
+                self._undefined = set()
             return {}
         names = [f"{owner}.{name}" for owner, name in self.index]
         values = {names[k - 1]: row[k] for k in self._reals} | dict(zip(self.ports, arrays))
@@ -343,9 +346,6 @@ class Recorder:
             cells = np.ravel(value)
             if not (fine := np.isfinite(cells)).all():
                 bad[port] = cells[~fine][0]
-        if not self.rows:
-            self._undefined.update(bad)
-            return bad
         self._undefined &= bad.keys()
         return {port: value for port, value in bad.items() if port not in self._undefined}
 

@@ -276,7 +276,7 @@ class ActiveRun(Observer):
         """
         if not self.account.rows:
             self._begin_period()
-            for port, value in self.recorder.not_finite(self.system.begin).items():
+            for port, value in self.recorder.undefined.items():
                 self.stepper.warn(port, f"expected a finite output, got {value}", None)
             self.recorder.write(self.system.begin)
         ended = self._period(heard)

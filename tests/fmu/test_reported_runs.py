@@ -292,12 +292,13 @@ def test_an_output_that_is_not_finite_at_the_start_is_a_warning(caplog):
     assert results.summary["warnings"] == [words] and last(results, "a.y") == pytest.approx(1.0)
 
 
-def test_a_boolean_loop_that_never_settles_is_held_named_and_counted():
+def test_a_boolean_loop_that_never_settles_is_held_named_and_counted(caplog):
     """a = not b, b = a: each of 10 steps holds b at its beginning."""
     a = fmu("a", [TYPED[2], TYPED[6]], STEP="m->b[1]=!m->b[0]")
     b = fmu("b", [TYPED[2], TYPED[6]], STEP="m->b[1]=m->b[0]")
     results = run({"a": a, "b": b}, ["a.yb -> b.ub", "b.yb -> a.ub"])
     assert results.summary["unsettled_steps"] == 10
+    assert "WARNING" in caplog.text and "wire b.yb -> a.ub: t = 0 s, 10 times: " in caplog.text
     assert results.series("a.yb").values.tolist() == [0] + 5 * [1, 0]
     (line,) = results.summary["warnings"]
     assert line.startswith("wire b.yb -> a.ub: t = 0 s, 10 times: expected a value that settles")

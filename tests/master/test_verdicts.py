@@ -146,6 +146,7 @@ def ledgered(refused=0, share=0.049, made=0.0):
         ({"knock": 0.26}, "side force", "amber"),
         ({"knock": 0.76}, "side force", "red"),
         ({"unconverged_steps": 1}, "convergence", "red"),
+        ({"unsettled_steps": 1}, "convergence", "amber"),
         ({"interface_work_imbalance": -2e-3}, "interface work", "amber"),
         ({"interface_work_imbalance": 0.02}, "interface work", "red"),
         ({"interface_work_imbalance": float("nan")}, "interface work", "red"),
