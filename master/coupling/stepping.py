@@ -77,14 +77,15 @@ class Predictor:
 
     def __call__(self, time: float) -> np.ndarray:
         """Return the guess at `time` [s]."""
-        if len(self.past) == 1:
+        if not self.past[1:]:
             return self.past[0][1] + 0.0  # as `extrapolate`, which has no -0
         times, vectors = zip(*self.past)
-        if len(vectors[0]) > SMALL:
+        size = len(vectors[0])
+        if size > SMALL:
             return extrapolate(times, vectors, time)
         weights = [0.0] * len(times)
         lagrange(times, time, weights)
-        guess = [0.0] * len(vectors[0])
+        guess = [0.0] * size
         for weight, vector in zip(weights, vectors):
             guess = [a + b * weight for a, b in zip(guess, vector.tolist())]
         return np.array(guess)
@@ -335,7 +336,7 @@ class Stepper:
         guess = self.predictor(time + step)
         if self.interface.is_limited:
             guess = moved(self.interface.layout, start, guess - start)
-        elif len(self.predictor.past) > 1:
+        elif self.predictor.past[1:]:
             guess = start + (guess - start)
         macro_step = MacroStep(self.interface, time, step, saved)
         return solve_settled(self.method, macro_step, guess, self.memory)

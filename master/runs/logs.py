@@ -46,11 +46,12 @@ class CouplingLog:
         trail : residual / tolerance of every wire, by evaluation; failure : its reason, None if
         it converged.
         """
-        self.total += len(trail)
+        count = len(trail)
+        self.total += count
         window = self.windows + 1
         for k, shares in enumerate(trail):
             self.convergence.write(self.row % (window, k + 1, *shares))
-        line = ROW % (window, time, step, len(trail), self.total, failure is None)
+        line = ROW % (window, time, step, count, self.total, failure is None)
         self.iterations.write(f"{line}  {failure}\n" if failure else f"{line}\n")
         self.windows += failure is None
 

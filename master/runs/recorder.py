@@ -324,6 +324,7 @@ class Recorder:
         """Clear the waiting rows, of which all values are in one list: that is faster."""
         self._waiting: list[Any] = []
         self._instants: list[Any] = []
+        self._flushed, self._records = self.rows, 0
         self._flush_at = clock.perf_counter() + LONGEST_WAIT
 
     def not_finite(self, time):
@@ -379,9 +380,10 @@ class Recorder:
             if self.crank:
                 self._instants.append(row[self.index[self.crank]])
             self._instants += arrays
+            self._records += 1
         self.rows += 1
-        full = len(self._instants) >= self.flush_every * len(self.fields)
-        if full or len(self._waiting) >= CHUNK * len(row) or clock.perf_counter() > self._flush_at:
+        last = self.rows - self._flushed >= CHUNK or self._records >= self.flush_every
+        if last or clock.perf_counter() > self._flush_at:
             self.flush()
         return row
 
