@@ -379,9 +379,7 @@ def _swapped(trees, role, texts, say):
     def model_of(text):
         """Return participant, name of the model, and its FMU or None for a parameter."""
         name, model = replaced_participant(first, role, text)
-        if model.endswith(".py"):
-            raise BadInput(f"--{role}: expected FILE.py:CLASS, got {model!r} without a class")
-        if parameter and not model.endswith(".fmu") and ".py:" not in model:
+        if parameter and not model.endswith((".fmu", ".py")) and ".py:" not in model:
             return name, model, None
         fmu = fmu_of_model(role, model, first["participants"][name], say)
         return name, model.rpartition(":")[2] if ".py:" in model else fmu.stem, fmu
@@ -442,8 +440,9 @@ def fmu_of_model(role: str, model: str, table: dict, say: Callable[[str], object
 
         grid = table.get("build", {}).get("grid", [40, 40])
         return build_fmu_of_file(model, {"grid": list(grid)}, say)
-    if not Path(model).is_file():
-        raise BadInput(f"--{role}: expected a file, got no such file {model!r}")
+    there = "" if Path(model).is_file() else "no such file"
+    if got := "no class in" if model.endswith(".py") else there:
+        raise BadInput(f"--{role}: expected an FMU or FILE.py:CLASS, got {got} {model!r}")
     return Path(model)
 
 

@@ -113,7 +113,7 @@ def open_unfinished(path: Path) -> Any:
         head = file.read(END.stop)
     size, least = path.stat().st_size, int.from_bytes(head[END], "little")
     if head.startswith(SIGNATURE) and size < least:
-        raise OSError(f"{size} bytes are left of at least {least}")
+        raise OSError(f"truncated: {size} bytes are left of at least {least}")
     return h5py.File(path, "r", libver="latest", swmr=True)
 
 
