@@ -440,9 +440,8 @@ def fmu_of_model(role: str, model: str, table: dict, say: Callable[[str], object
 
         grid = table.get("build", {}).get("grid", [40, 40])
         return build_fmu_of_file(model, {"grid": list(grid)}, say)
-    there = "" if Path(model).is_file() else "no such file"
-    if got := "no class in" if model.endswith(".py") else there:
-        raise BadInput(f"--{role}: expected an FMU or FILE.py:CLASS, got {got} {model!r}")
+    if not Path(model).is_file() or model.endswith(".py"):
+        raise BadInput(f"--{role}: expected an existing FMU or FILE.py:CLASS, got {model!r}")
     return Path(model)
 
 

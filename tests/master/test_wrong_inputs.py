@@ -163,7 +163,7 @@ SAID = {
     f"{SHEET} coupling.relaxation=true": "relaxation: expected a number, got 'true'",
     f"{SHEET} bodies.build.grid=[true,40]": "grid.0: expected a whole number, got 'true'",
     "run data_sheet --jobs 1.5": "--jobs: expected a whole number, got '1.5'",
-    "run data_sheet --lubrication x.py": "expected an FMU or FILE.py:CLASS, got no class in",
+    "run data_sheet --lubrication x.py": "expected an existing FMU or FILE.py:CLASS, got 'x.py'",
     "results scalars good.h5 --output s.xlsx": "--output: expected .csv, got 's.xlsx'",
     "results plot good.h5 folder/../good.h5": "expected different files, got 'folder/../good.h5'",
     "results report good.h5 --measured text.csv": "expected a header 'participant.variable [unit]'",
