@@ -1,6 +1,6 @@
 """Build options of one body: its source, modes, surfaces and measured shapes."""
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import (
     BaseModel,
@@ -351,6 +351,30 @@ class Order(BaseModel):
     """Angle of the largest widening, from the pin axis towards the thrust side."""
 
 
+class SlidingLayer(NamedTuple):
+    """Layer between pin bores and pin of the tie `sliding`.
+
+    Parameters
+    ----------
+    stiffness : float
+        [Pa/m]
+    part : str
+        Part of the bores that bears.
+    cells : (int, int)
+        Cells around this part, and along a boss.
+    """
+
+    stiffness: float
+    part: str
+    cells: tuple[int, int]
+
+
+SLIDING_LAYER = SlidingLayer(1e15, "upper half", (36, 16))
+"""Our own choice: gas presses this half on the pin, and a tenfold stiffness changes the skirt
+compliance by less than 1 %.
+"""
+
+
 class Piston(Body):
     """Options of the piston.
 
@@ -359,9 +383,16 @@ class Piston(Body):
     """
 
     ENDS = ("skirt_lower", "skirt_upper")
-    tie: Literal["rbe2", "rbe3"] = "rbe2"
-    """Connection of the pin bores to pin point A. `rbe2` ties every node, and `rbe3` the mean
-    motion of both bores. It affects the skirt compliance more than the choice of modes.
+    tie: Literal["sliding", "rbe2", "rbe3"] = "rbe2"
+    """Connection of the pin bores to pin point A. It affects the skirt compliance more than the
+    choice of modes. `sliding` holds the upper half of both bores along its normal on a rigid pin,
+    and leaves them free along and around the pin. `rbe2` ties every node, and `rbe3` the mean
+    motion of both bores.
+    """
+    boss_length: Annotated[Length, Field(gt=0)] | None = None
+    """Length of each boss that bears on the pin with `sliding`, from its inner end. It affects the
+    skirt compliance as much as sliding does. Other ties do not use it. Default: the diameter of the
+    pin bore, or the length of the boss in the mesh if it is less.
     """
     rigid: RigidPiston | None = None
     """Data sheet of a rigid piston. It replaces the mesh."""

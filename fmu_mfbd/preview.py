@@ -49,6 +49,7 @@ from .reduction.reduced_body import SMALL_END, MeshProperties, ReducedBlock, loa
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.shell import film_shell, shell_mesh
 from .reduction.symmetry import mirror_image
+from .reduction.ties import pin_layer
 from .thrust_symmetry import claims
 
 HEIGHTS = 7
@@ -199,6 +200,8 @@ def _piston(build: Build, warnings: list[str]) -> BodyPreview:
     angle, height = cell_centres(*build.grid, lower, upper)
     films = boss_films(build)
     faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height, films)
+    slides = bool(options.modes) and options.tie == "sliding"
+    length = pin_layer(mesh, options.boss_length).length if slides else None
     if films:
         axis, _ = pin_bore(mesh)
         boss_readings(mesh, mesh.points - np.array([axis.first, 0.0, 0.0]), films)
@@ -212,7 +215,7 @@ def _piston(build: Build, warnings: list[str]) -> BodyPreview:
         radius=radius,
     )
     rigid = options.model_copy(update={"rigid": sheet, "skirt_lower": lower, "skirt_upper": upper})
-    return BodyPreview(rigid_piston(rigid, build.grid), there, mesh)
+    return BodyPreview(rigid_piston(rigid, build.grid), there, mesh, length)
 
 
 def _block(build: Build, warnings: list[str]) -> BodyPreview:
@@ -253,6 +256,9 @@ def _of_piston(build: Build, piston: BodyPreview) -> list[Figure]:
         Figure("skirt", "skirt_lower", body.skirt_lower, "m", "above the pin's axis"),
         Figure("skirt", "skirt_upper", body.skirt_upper, "m", "above the pin's axis"),
     ]
+    if piston.boss_length is not None:
+        note = "on the pin, from its inner end: compare, the skirt's compliance depends on it"
+        figures.append(Figure("boss", "boss_length", piston.boss_length, "m", note))
     return [*figures, _modes_of("piston", build.piston)]
 
 
@@ -327,7 +333,8 @@ def _modes_of(name: str, body: Piston | Block) -> Figure:
     if body.rigid or not body.modes:
         return Figure("modes", f"{name}_modes", 0, "1", "rigid")
     entry = "expected_error" if isinstance(body.modes, float) else "modes"
-    return Figure("modes", f"{name}_{entry}", body.modes, "1", body.basis)
+    tie = f", tie {body.tie}" if isinstance(body, Piston) and not body.reduced else ""
+    return Figure("modes", f"{name}_{entry}", body.modes, "1", body.basis + tie)
 
 
 def _of_block(build: Build, block: BodyPreview) -> list[Figure]:

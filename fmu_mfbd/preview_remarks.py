@@ -53,11 +53,14 @@ class BodyPreview(NamedTuple):
         Cells of the film grid with the skirt under them, where that is known.
     mesh : Mesh, optional
         None without one.
+    boss_length : float, optional
+        Length of each boss that slides on the pin [m]; None with another tie.
     """
 
     body: Any
     skirt: np.ndarray | None = None
     mesh: Mesh | None = None
+    boss_length: float | None = None
 
 
 class NarrowestGap(NamedTuple):

@@ -85,9 +85,9 @@ class MeanElastic(Elastic):
     K, M, factors
         As for `Elastic`.
     conditions : ndarray, shape (m, 3 n)
-        C, m >= 6, see `mean_conditions`.
-    rigid : ndarray, shape (3 n, 6)
-        Rigid-body motions.
+        C, m >= r, see `mean_conditions`.
+    rigid : ndarray, shape (3 n, r)
+        Rigid-body motions that K leaves free.
     """
 
     def __init__(
@@ -102,10 +102,11 @@ class MeanElastic(Elastic):
         self.free = np.arange(self.size)
         self.K = K.tocsc()
         self.M = M.tocsc()
-        # six suitable supports make K regular; the small system cancels their reactions
+        # r suitable supports make K regular; the small system cancels their reactions
+        r = rigid.shape[1]
         touched = np.flatnonzero(conditions.any(axis=0))
         order = la.qr(rigid[touched].T, mode="r", pivoting=True)[-1]
-        self._loose = np.setdiff1d(self.free, touched[order[:6]])
+        self._loose = np.setdiff1d(self.free, touched[order[:r]])
         self.factors = factors
         self._lu = factors(self.K[self._loose][:, self._loose].tocsc())
         self._C = conditions
@@ -114,7 +115,7 @@ class MeanElastic(Elastic):
         small = np.block(
             [
                 [conditions @ self._answer, -conditions @ rigid],
-                [rigid.T @ conditions.T, np.zeros((6, 6))],
+                [rigid.T @ conditions.T, np.zeros((r, r))],
             ]
         )
         self._small = la.lu_factor(small)

@@ -62,25 +62,30 @@ def boss_readings(mesh: Mesh, position: np.ndarray, films: ShellFilm) -> Shells:
     MeshFault
         If there is no boss on a side, or its bore is not round, or ends within the film.
     """
-    faces = mesh.faces[SURFACE]
-    middle = position[faces[:, :3], 2].mean(axis=1)
     radius = float(np.hypot(*position[mesh.nodes(SURFACE)][:, :2].T).mean())
     faults = []
     sides = []
-    for name, sign in SIDES.items():
-        own = faces[sign * middle > 0]
-        if not len(own):
-            faults.append(
-                f"surface '{SURFACE}': expected faces at z {'>' if sign > 0 else '<'} 0, got none"
-            )
-            continue
-        side, fault = _read(position, own, sign, radius, films)
+    for name, own in faces_of_boss(mesh, position).items():
+        side, fault = _read(position, own, SIDES[name], radius, films)
         if fault:
             faults.append(f"surface '{SURFACE}', {name}: {fault}")
         sides.append(side)
     if faults:
         raise MeshFault(faults)
     return Shells(tuple(sides), radius)
+
+
+def faces_of_boss(mesh: Mesh, position: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the faces of each boss; arguments and error are those of `boss_readings`."""
+    faces = mesh.faces[SURFACE]
+    middle = position[faces[:, :3], 2].mean(axis=1)
+    bosses = {name: faces[sign * middle > 0] for name, sign in SIDES.items()}
+    missing = ["<" if SIDES[name] < 0 else ">" for name, own in bosses.items() if not len(own)]
+    if missing:
+        raise MeshFault(
+            [f"surface '{SURFACE}': expected faces at z {side} 0, got none" for side in missing]
+        )
+    return bosses
 
 
 def _read(position, faces, sign, radius, films):
@@ -116,11 +121,11 @@ def without_shell(
     position: np.ndarray, faces: np.ndarray, radius: float, around: int, stations: np.ndarray
 ) -> int:
     """Return how many cells of a film have no bore under them; arguments as for `shell_reading`."""
-    there = covered(_about_y(position), faces, shell_angles(around), stations, radius)
+    there = covered(about_y(position), faces, shell_angles(around), stations, radius)
     return int(np.count_nonzero(~there))
 
 
-def _about_y(position):
+def about_y(position):
     """Return positions in axes with the pin along y, as the skirt's axis: theta from +z to +x."""
     return position[:, [1, 2, 0]]
 
@@ -143,7 +148,7 @@ def shell_reading(
         z of the rows [m].
     """
     angle = shell_angles(around)
-    at = interpolation(_about_y(position), faces, angle, stations, radius)
+    at = interpolation(about_y(position), faces, angle, stations, radius)
     a = np.repeat(angle, len(stations))
     cosine, sine, zero = np.cos(a), np.sin(a), np.zeros_like(a)
     outward = directed(at, [cosine, sine, zero])  # Eq. (I11)

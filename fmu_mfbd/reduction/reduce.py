@@ -9,8 +9,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..body_options import MOST_MODES, Block, Piston
-from ..finite_elements.element import Sparse, rigid_mass, rigid_motions
-from ..finite_elements.faces import face_load, surface_matrix
+from ..finite_elements.element import rigid_mass, rigid_motions
+from ..finite_elements.faces import face_load
 from ..finite_elements.matrices import FullModel, assembled, matrix_faults, read_matrix
 from ..finite_elements.mesh import Mesh, MeshFault, axes_matrix, read_mesh
 from ..finite_elements.point_cloud import read_nodes
@@ -18,12 +18,10 @@ from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import cell_centres
 from .bases import (
     Elastic,
-    MeanElastic,
     Modes,
     characteristic_constraint_modes,
     craig_bampton,
     expected_pressure,
-    mean_conditions,
     of_unit_energy,
     orthonormal_modes,
     pressure_modes,
@@ -56,6 +54,7 @@ from .smooth_prior import (
     surface_answers,
 )
 from .symmetry import ClassedModes, mirror_image, symmetric_modes
+from .ties import held_piston
 from .training import trained_shapes
 from .truncation import StaticModes, edge_error, left_out, smooth_error
 
@@ -195,7 +194,7 @@ def reduce_piston(
     loads = np.column_stack([gas.ravel()] + [M @ field.ravel() for field in inertia])
     faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height, bosses)
     read = boss_readings(mesh, position, bosses) if bosses else None
-    elastic = _held(mesh, K, M, "pin_bore", options, factors)
+    elastic = held_piston(mesh, K, M, options, progress, factors)
     del K  # the elastic body contains the needed part
     film_forces = training.loads.film if training else None
     film = FilmSide(
@@ -279,7 +278,7 @@ def reduce_block(
     _, K, M = full
     everywhere = np.ones(len(angle) * len(heights), dtype=bool)
     faults_of_modes(mesh, options, "bolts", "bore", angle, heights)
-    elastic = _held(mesh, K, M, "bolts", options, factors)
+    elastic = Elastic(K, M, mesh.nodes("bolts"), factors)
     del K
     film_forces = on_stations(training.loads, training.rows, heights) if training else None
     film = FilmSide("bore", surface.reading, angle, heights, ALONG["bore"], everywhere, film_forces)
@@ -552,19 +551,3 @@ def faults_of_modes(
         )
     if count and faults:
         raise MeshFault(faults)
-
-
-def _held(
-    mesh: Mesh,
-    K: Sparse,
-    M: Sparse,
-    surface: str,
-    options: Piston | Block,
-    factors: Factorise,
-) -> Elastic:
-    """Return the body, supported at the named surface by the chosen tie."""
-    if isinstance(options, Block) or options.tie == "rbe2":
-        return Elastic(K, M, mesh.nodes(surface), factors)
-    area = surface_matrix(mesh.points, mesh.faces[surface])
-    conditions = mean_conditions(mesh.points, np.asarray(area.sum(axis=1)).ravel())
-    return MeanElastic(K, M, conditions, rigid_motions(mesh.points), factors)

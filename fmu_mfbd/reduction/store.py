@@ -18,7 +18,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from ...models import MODELS
-from ..body_options import Block, Piston
+from ..body_options import SLIDING_LAYER, Block, Piston
 from ..options import RoundShell, SmallEnd
 from .film_loads import Training
 from .reduced_body import (
@@ -36,7 +36,7 @@ SOURCES = ("finite_elements", "geometry", "reduction")
 """Folders whose code determines a reduced body."""
 SHIPPED = MODELS / "bodies"
 """Folder of reduced bodies without mode shapes on the mesh (`.ci/bodies.py` writes them)."""
-IF_FLEXIBLE = {"basis", "symmetric_film", "modes_from", "tie"}
+IF_FLEXIBLE = {"basis", "symmetric_film", "modes_from", "tie", "boss_length"}
 """Options that have no effect on a body without modes."""
 
 Say = Callable[[str], None]
@@ -113,7 +113,12 @@ def _decided(
     later = {"profiles", "orders", "reduced", "train_on", "pin_offset"}
     if not options.modes:
         later |= IF_FLEXIBLE
+    slides = isinstance(options, Piston) and options.tie == "sliding"
+    if not slides:
+        later |= {"boss_length"}
     decided = contents(options, later) | {"grid": list(grid)}
+    if slides and options.modes:
+        decided["pin_layer"] = SLIDING_LAYER
     if training:
         decided["training"] = training.digest()
     if bosses:

@@ -5,7 +5,8 @@
    turn of pressure, and a cosine over +-30 deg that falls along the pin. If the results file of a
    finished run is given, the pressures of its left boss are added.
 2. Deflection of the skirt under a load on its thrust side. The bosses are tied rigidly, or rest on
-   a film of growing stiffness around a rigid pin, or on even pressure.
+   a film of growing stiffness around a rigid pin, or on even pressure. Ties of the whole bore of
+   the mesh and of the length that bears show the effect of the length.
 
 Run: python tests/bench/bosses.py [RESULTS.h5]
 """
@@ -26,14 +27,17 @@ from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
 from piston_cosim.fmu_mfbd.options import read_options
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, mean_conditions
-from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings
+from piston_cosim.fmu_mfbd.reduction.bosses import SIDES, boss_readings
 from piston_cosim.fmu_mfbd.reduction.reduce import film_surface, full_model, read_surfaces
 from piston_cosim.fmu_mfbd.reduction.reduced_body import Anatomy, ReducedPiston, load
+from piston_cosim.fmu_mfbd.reduction.ties import held_piston
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.results.file import Results
 
 PATH = find_case("yielding_bosses")
 FILM = "left_film"
+ALL_AROUND = 24.4e-3
+"""Length of each boss that has a bore all around [m]; its outer end is on the round skirt."""
 
 
 class Whole:
@@ -151,18 +155,20 @@ def of_skirt(whole, build):
     def deflection(moved):
         return float(force @ moved)
 
-    tied = Elastic(whole.K, whole.M, mesh.nodes("pin_bore"))
-    rigid = deflection(tied.full(tied.solve(force[tied.free])[:, None])[:, 0])
-    print("\nskirt under a load on its thrust side, by that of bosses tied to a rigid pin (RBE2)")
-    print(f"tied {1e9 * rigid:26.3f} um/kN")
-    # the film: springs across the gap on a pin at rest; what they leave free has no load
-    films = whole.bosses.outward()
-    area = 2 * np.pi * whole.bosses.radius / boss_films(build).grid[0]
-    area *= boss_films(build).length / boss_films(build).grid[1]
+    def tied(nodes):
+        body = Elastic(whole.K, whole.M, nodes)
+        return deflection(body.full(body.solve(force[body.free])[:, None])[:, 0])
+
+    def listed(name, value):
+        print(f"{name:45s} {1e9 * value:8.3f} um/kN, {value / rigid - 1:+.1%}", flush=True)
+
     node = int(mesh.nodes("crown")[mesh.points[mesh.nodes("crown"), 0].argmax()])
     loose = np.setdiff1d(np.arange(len(force)), [3 * node + 1, 3 * node + 2])
-    for stiffness in (1e12, 1e13, 1e14, 1e15, 1e16):
-        spring = stiffness * area
+
+    def on_film(bosses, length, stiffness):
+        """Deflection on springs across the gap to a pin at rest. The load has no free motion."""
+        films = bosses.outward()
+        spring = stiffness * 2 * np.pi * bosses.radius * length * len(SIDES) / films.shape[0]
         K = (whole.K + spring * (films.T @ films)).tocsr()[loose][:, loose].tocsc()
         moved = np.zeros(len(force))
         moved[loose] = factorise(K).solve(force[loose])
@@ -170,14 +176,28 @@ def of_skirt(whole, build):
         for k in (2, 5):
             slack = whole.mean @ moved
             moved = moved - whole.rigid[:, k] * slack[k] / (whole.mean @ whole.rigid[:, k])[k]
-        found = deflection(moved)
-        print(
-            f"film of {stiffness:.0e} Pa/m {1e9 * found:10.3f} um/kN, {found / rigid - 1:+.1%}",
-            flush=True,
-        )
-    force_free = whole.balance_at_bosses(force)
-    even = deflection(whole.free(force_free))
-    print(f"mean motion of the bosses (RBE3) {1e9 * even:.3f} um/kN, {even / rigid - 1:+.1%}")
+        return deflection(moved)
+
+    bore = mesh.nodes("pin_bore")
+    depth = np.abs(mesh.points[bore, 2])
+    begin, end = depth.min(), depth.max()
+    films = boss_films(build)
+    rigid = tied(bore)
+    print("\nskirt under a load on its thrust side, by that of bosses tied to a rigid pin (RBE2)")
+    listed(f"tied, {1e3 * (end - begin):.4g} mm of each boss", rigid)
+    listed(f"tied, inner {1e3 * films.length:.4g} mm", tied(bore[depth <= begin + films.length]))
+    every = films._replace(length=ALL_AROUND)
+    on_all = boss_readings(mesh, mesh.points, every)
+    listed(f"film of 1e15 Pa/m, {1e3 * every.length:.4g} mm", on_film(on_all, every.length, 1e15))
+    for stiffness in (1e12, 1e13, 1e14, 1e15, 1e16):
+        value = on_film(whole.bosses, films.length, stiffness)
+        listed(f"film of {stiffness:.0e} Pa/m, inner {1e3 * films.length:.4g} mm", value)
+    slides = build.piston.model_copy(update={"tie": "sliding", "boss_length": films.length})
+    sliding = held_piston(mesh, whole.K, whole.M, slides, print, factorise)
+    listed(f"sliding, inner {1e3 * films.length:.4g} mm", deflection(sliding.solve(force)))
+    listed(
+        "mean motion of the bosses (RBE3)", deflection(whole.free(whole.balance_at_bosses(force)))
+    )
 
 
 def main():
