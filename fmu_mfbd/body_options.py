@@ -383,11 +383,12 @@ class Piston(Body):
     """
 
     ENDS = ("skirt_lower", "skirt_upper")
-    tie: Literal["sliding", "rbe2", "rbe3"] = "rbe2"
+    tie: Literal["sliding", "rbe2", "rbe3"] | None = None
     """Connection of the pin bores to pin point A. It affects the skirt compliance more than the
     choice of modes. `sliding` holds the upper half of both bores along its normal on a rigid pin,
     and leaves them free along and around the pin. `rbe2` ties every node, and `rbe3` the mean
-    motion of both bores.
+    motion of both bores. Default: `sliding`, `rbe3` for the bosses of a floating pin, or `rbe2` if
+    the bores of the mesh are no cylinders.
     """
     boss_length: Annotated[Length, Field(gt=0)] | None = None
     """Length of each boss that bears on the pin with `sliding`, from its inner end. It affects the

@@ -472,7 +472,7 @@ def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
             f"floating_pin.boss_modes: expected 1 to {piston.modes - 1} of {piston.modes} modes, "
             f"got {boss_modes}"
         )
-    if piston.tie != "rbe3":
+    if piston.tie not in (None, "rbe3"):
         faults.append(f"piston.tie: expected 'rbe3' with floating_pin, got {piston.tie!r}")
     if piston.basis not in (films := ("smooth_pressure_modes", "pressure_modes")):
         wanted = " or ".join(map(repr, films))

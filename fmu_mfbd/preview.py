@@ -49,7 +49,7 @@ from .reduction.reduced_body import SMALL_END, MeshProperties, ReducedBlock, loa
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.shell import film_shell, shell_mesh
 from .reduction.symmetry import mirror_image
-from .reduction.ties import pin_layer
+from .reduction.ties import pin_layer, tie_of
 from .thrust_symmetry import claims
 
 HEIGHTS = 7
@@ -200,8 +200,8 @@ def _piston(build: Build, warnings: list[str]) -> BodyPreview:
     angle, height = cell_centres(*build.grid, lower, upper)
     films = boss_films(build)
     faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height, films)
-    slides = bool(options.modes) and options.tie == "sliding"
-    length = pin_layer(mesh, options.boss_length).length if slides else None
+    tie = tie_of(mesh, options, films is not None) if options.modes else ""
+    length = pin_layer(mesh, options.boss_length).length if tie == "sliding" else None
     if films:
         axis, _ = pin_bore(mesh)
         boss_readings(mesh, mesh.points - np.array([axis.first, 0.0, 0.0]), films)
@@ -215,7 +215,7 @@ def _piston(build: Build, warnings: list[str]) -> BodyPreview:
         radius=radius,
     )
     rigid = options.model_copy(update={"rigid": sheet, "skirt_lower": lower, "skirt_upper": upper})
-    return BodyPreview(rigid_piston(rigid, build.grid), there, mesh, length)
+    return BodyPreview(rigid_piston(rigid, build.grid), there, mesh, tie, length)
 
 
 def _block(build: Build, warnings: list[str]) -> BodyPreview:
@@ -259,7 +259,7 @@ def _of_piston(build: Build, piston: BodyPreview) -> list[Figure]:
     if piston.boss_length is not None:
         note = "on the pin, from its inner end: compare, the skirt's compliance depends on it"
         figures.append(Figure("boss", "boss_length", piston.boss_length, "m", note))
-    return [*figures, _modes_of("piston", build.piston)]
+    return [*figures, _modes_of("piston", build.piston, piston.tie)]
 
 
 def _of_mesh(part: str, sized: BodyPreview) -> list[Figure]:
@@ -328,13 +328,13 @@ def _of_axis(
     return figures
 
 
-def _modes_of(name: str, body: Piston | Block) -> Figure:
-    """Return the number of modes, or the expected error that chooses it."""
+def _modes_of(name: str, body: Piston | Block, tie: str = "") -> Figure:
+    """Return the number of modes, or the expected error that chooses it, and the tie of a mesh."""
     if body.rigid or not body.modes:
         return Figure("modes", f"{name}_modes", 0, "1", "rigid")
     entry = "expected_error" if isinstance(body.modes, float) else "modes"
-    tie = f", tie {body.tie}" if isinstance(body, Piston) and not body.reduced else ""
-    return Figure("modes", f"{name}_{entry}", body.modes, "1", body.basis + tie)
+    source = f"{body.basis}, tie {tie}" if tie else body.basis
+    return Figure("modes", f"{name}_{entry}", body.modes, "1", source)
 
 
 def _of_block(build: Build, block: BodyPreview) -> list[Figure]:

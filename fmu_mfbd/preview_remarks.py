@@ -53,6 +53,8 @@ class BodyPreview(NamedTuple):
         Cells of the film grid with the skirt under them, where that is known.
     mesh : Mesh, optional
         None without one.
+    tie : str
+        Tie of a piston's pin bores; empty without modes and without a mesh.
     boss_length : float, optional
         Length of each boss that slides on the pin [m]; None with another tie.
     """
@@ -60,6 +62,7 @@ class BodyPreview(NamedTuple):
     body: Any
     skirt: np.ndarray | None = None
     mesh: Mesh | None = None
+    tie: str = ""
     boss_length: float | None = None
 
 

@@ -194,7 +194,7 @@ def reduce_piston(
     loads = np.column_stack([gas.ravel()] + [M @ field.ravel() for field in inertia])
     faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height, bosses)
     read = boss_readings(mesh, position, bosses) if bosses else None
-    elastic = held_piston(mesh, K, M, options, progress, factors)
+    elastic = held_piston(mesh, K, M, options, progress, factors, bosses is not None)
     del K  # the elastic body contains the needed part
     film_forces = training.loads.film if training else None
     film = FilmSide(

@@ -113,7 +113,7 @@ def _decided(
     later = {"profiles", "orders", "reduced", "train_on", "pin_offset"}
     if not options.modes:
         later |= IF_FLEXIBLE
-    slides = isinstance(options, Piston) and options.tie == "sliding"
+    slides = isinstance(options, Piston) and options.tie in (None, "sliding")
     if not slides:
         later |= {"boss_length"}
     decided = contents(options, later) | {"grid": list(grid)}

@@ -19,6 +19,8 @@ from .interpolation import covered, interpolation
 SHIFT_AND_TURN = [2, 5]
 """Rigid motions along the pin and about it, which a sliding tie leaves to the mean conditions."""
 
+HINT = "; set piston.tie to rbe2 or rbe3"
+
 
 class PinLayer(NamedTuple):
     """Elastic layer between both pin bores and a rigid pin, on a grid over the loaded half.
@@ -64,7 +66,7 @@ def pin_layer(mesh: Mesh, length: float | None) -> PinLayer:
     faces = mesh.faces[SURFACE]
     radius = float(np.hypot(*position[mesh.nodes(SURFACE)][:, :2].T).mean())
     if fault := out_of_round(position, faces, radius):
-        raise MeshFault([f"surface '{SURFACE}': {fault}; set piston.tie to rbe2 or rbe3"])
+        raise MeshFault([f"surface '{SURFACE}': {fault}{HINT}"])
     bosses = faces_of_boss(mesh, position)
     depth = {name: np.abs(position[np.unique(own), 2]) for name, own in bosses.items()}
     reach = min(float(np.ptp(one)) for one in depth.values())
@@ -88,7 +90,9 @@ def pin_layer(mesh: Mesh, length: float | None) -> PinLayer:
         values.append(interpolation(about_y(position), *place))
         areas.append(cell * there)
         if not there.any():
-            faults.append(f"surface '{SURFACE}', {name}: expected a bore above the pin, got none")
+            faults.append(
+                f"surface '{SURFACE}', {name}: expected a bore above the pin, got none{HINT}"
+            )
     if faults:
         raise MeshFault(faults)
     x, y, _ = position.T
@@ -98,6 +102,17 @@ def pin_layer(mesh: Mesh, length: float | None) -> PinLayer:
     return PinLayer(sp.vstack(values) @ outward.tocsr(), np.concatenate(areas), length)
 
 
+def tie_of(mesh: Mesh, options: Piston, floating: bool) -> str:
+    """Return the tie of the pin bores: that of the options, or the default.
+
+    floating : whether the pin floats on films in the bosses.
+    """
+    position = _from_pin(mesh)
+    radius = float(np.hypot(*position[mesh.nodes(SURFACE)][:, :2].T).mean())
+    cylinders = not out_of_round(position, mesh.faces[SURFACE], radius)
+    return options.tie or ("rbe3" if floating else "sliding" if cylinders else "rbe2")
+
+
 def held_piston(
     mesh: Mesh,
     K: Sparse,
@@ -105,8 +120,9 @@ def held_piston(
     options: Piston,
     progress: Callable[[str], None],
     factors: Factorise,
+    floating: bool = False,
 ) -> Elastic:
-    """Return a piston, held at its pin bores by the tie of the options.
+    """Return a piston, held at its pin bores by the tie of the options (`tie_of`).
 
     Eq. (J51):  K' = K + D^T (k A) D       `sliding`: K' replaces K, and Eq. (J5) has rows 3 and 6
 
@@ -119,14 +135,16 @@ def held_piston(
     MeshFault
         As of `pin_layer`.
     """
-    if options.tie == "rbe2":
+    tie = tie_of(mesh, options, floating)
+    progress(f"pin bores: tie {tie}")
+    if tie == "rbe2":
         return Elastic(K, M, mesh.nodes(SURFACE), factors)
     area = np.asarray(surface_matrix(mesh.points, mesh.faces[SURFACE]).sum(axis=1)).ravel()
-    if options.tie == "rbe3":
+    if tie == "rbe3":
         conditions = mean_conditions(mesh.points, area)
         return MeanElastic(K, M, conditions, rigid_motions(mesh.points), factors)
     layer = pin_layer(mesh, options.boss_length)
-    progress(f"the inner {1e3 * layer.length:.4g} mm of each boss slide on the pin")
+    progress(f"the inner {1e3 * layer.length:.4g} mm of each boss bear on the pin")
     position = _from_pin(mesh)
     conditions = mean_conditions(position, area)[SHIFT_AND_TURN]
     free = rigid_motions(position)[:, SHIFT_AND_TURN]

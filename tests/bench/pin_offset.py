@@ -26,10 +26,11 @@ import numpy as np
 
 import piston_cosim as pc
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
+from piston_cosim.fmu_mfbd.finite_elements.solver import factorise
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.options import read_options
-from piston_cosim.fmu_mfbd.reduction.bases import Elastic
 from piston_cosim.fmu_mfbd.reduction.reduce import ends, film_surface, full_model, read_surfaces
+from piston_cosim.fmu_mfbd.reduction.ties import held_piston
 from piston_cosim.master.case.reading import find_case, read_tree
 
 PATH = find_case("fired_motorcycle")
@@ -79,7 +80,7 @@ def deflections(tree, folder):
     lower, upper = ends(mesh, "skirt", None, None)
     angle, height = cell_centres(*build.grid, lower, upper)
     radial = film_surface(mesh, "skirt", angle, height).reading.radial
-    elastic = Elastic(K, M, mesh.nodes("pin_bore"))
+    elastic = held_piston(mesh, K, M, build.piston, lambda text: None, factorise)
     gas = face_load(mesh.points, mesh.faces["crown"]).ravel()
     loads = {"gas on the crown": gas}
     for name, (theta, y, wide, high) in PATCHES.items():

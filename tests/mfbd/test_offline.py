@@ -186,15 +186,18 @@ def test_rigid_bodies_are_named_and_left_alone(cache, tmp_path):
 
 
 def test_ties_by_option(coarse, cache):
-    """The rigid tie is stiffer than a mean over both bosses. Patches cannot slide on a pin."""
+    """The rigid tie is stiffer than a mean over both bosses.
+
+    Patches cannot slide on a pin, so that their default is the rigid tie.
+    """
     from piston_cosim.fmu_mfbd.build import reduced_bodies
 
     folder, options = coarse
     piston = options["piston"] | {"modes": 6, "basis": "craig_bampton"}
-    ties = ("rbe2", "rbe3", "sliding")
+    ties = (None, "rbe2", "rbe3", "sliding")
     *tables, sliding = [{"grid": [16, 12], "piston": piston | {"tie": tie}} for tie in ties]
     files = [reduced_bodies(table, folder, quiet)["piston"] for table in tables]
-    rbe2, rbe3 = (np.load(file)["omega"] for file in files)
-    assert np.all(rbe2 > rbe3)
+    default, rbe2, rbe3 = (np.load(file)["omega"] for file in files)
+    assert np.all(rbe2 > rbe3) and np.array_equal(default, rbe2)
     with pytest.raises(pc.BadInput, match="'pin_bore': nodes .* set piston.tie to rbe2 or rbe3"):
         reduced_bodies(sliding, folder, quiet)

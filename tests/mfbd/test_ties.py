@@ -13,7 +13,7 @@ from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.reduction import store
 from piston_cosim.fmu_mfbd.reduction.bases import orthonormal_modes
 from piston_cosim.fmu_mfbd.reduction.reduce import reduce_piston
-from piston_cosim.fmu_mfbd.reduction.ties import held_piston, pin_layer
+from piston_cosim.fmu_mfbd.reduction.ties import held_piston, pin_layer, tie_of
 from piston_cosim.models import MODELS
 
 from .conftest import quiet
@@ -98,6 +98,12 @@ def test_the_default_length_is_the_diameter_or_the_shorter_boss(pipe):
     assert pin_layer(short, None).length == pytest.approx(12e-3)
 
 
+def test_the_default_tie_slides_unless_the_pin_floats(pipe):
+    plain, given = (Piston(mesh="a.msh", **SHEET, tie=tie) for tie in (None, "rbe2"))
+    assert tie_of(pipe, plain, False) == "sliding" and tie_of(pipe, plain, True) == "rbe3"
+    assert tie_of(pipe, given, False) == "rbe2"
+
+
 def test_bores_that_cannot_slide_are_rejected(pipe):
     bore = pipe.faces["pin_bore"]
     y = pipe.points[bore[:, :3], 1].mean(axis=1)
@@ -123,6 +129,7 @@ def test_the_key_of_a_cached_body_has_all_that_determines_its_tie(tmp_path):
     short, long = (key(tie="sliding", boss_length=length) for length in ("10 mm", "12 mm"))
     assert short["boss_length"] == 10e-3 and long["boss_length"] == 12e-3
     assert short["pin_layer"] == SLIDING_LAYER
+    assert key()["pin_layer"] == SLIDING_LAYER
     assert key(tie="rbe2") == key(tie="rbe2", boss_length="10 mm") != key(tie="rbe3")
     assert key(modes=0) == key(modes=0, tie="sliding", boss_length="10 mm")
 
@@ -138,7 +145,7 @@ def test_the_fired_piston_is_as_compliant_as_on_films():
     options = Piston(
         mesh=mesh, **SHEET, tie="sliding", boss_length="16 mm", modes=40, symmetric_film=True
     )
-    grid = (24, 24)
+    grid = (40, 40)
     body = reduce_piston(options, grid, quiet).body
     angle, height = cell_centres(*grid, body.skirt_lower, body.skirt_upper)
     patch = np.maximum(np.sin(angle) - np.cos(np.pi / 6), 0.0)
