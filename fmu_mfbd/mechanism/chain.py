@@ -1,0 +1,287 @@
+"""A chain of bodies as tables: what hangs where, its inertia, and the forces between its bodies.
+
+Each body hangs on one before it, or on the block, by a joint. A joint is tied or has a play of two
+coordinates. The angle of a body is driven, a coordinate, their sum, or that of a rod that swings.
+Films, gas and springs close no loop: they are forces between two bodies.
+
+All tables are arrays over bodies or force elements. Code that is compiled for one chain serves
+every other, and `master.fmi.block.flatten` packs a chain into one row of memory.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from ..dynamics.floating_frame import FlexibleBody
+from ..geometry.arrays import Matrix, Numbers, Vector
+
+BLOCK = -1
+"""Number of the block among the bodies."""
+
+NONE = -1
+"""Number of a coordinate that does not exist."""
+
+NO_MOUNTS = np.zeros((3, 3, 3))
+
+
+class Bodies(NamedTuple):
+    """Inertia integrals (Eq. (J7)) and modal springs of n bodies, their k modes stacked.
+
+    Parameters
+    ----------
+    mass, I0 : ndarray, shape (n,)
+        Mass [kg], moment of inertia about the body's origin [kg m2].
+    S : ndarray, shape (n, 2)
+        First moment about the origin [kg m].
+    first_mode, first_entry : ndarray, shape (n + 1,)
+        First mode of each body, first entry of it in `coupling`, and the numbers of both.
+    T : ndarray, shape (2, k)
+        Change of the first moments with the modes [kg^1/2].
+    b, g : ndarray, shape (k,)
+        Change of half the moment of inertia, angular momentum of the modes [kg^1/2 m].
+    coupling : ndarray, shape (entries,)
+        B and below it G of each body, which has 2 j j entries for j modes [-].
+    stiffness, damping : ndarray, shape (k,)
+        omega^2 [rad2/s2], 2 zeta omega [rad/s].
+    """
+
+    mass: Vector
+    I0: Vector
+    S: Matrix
+    first_mode: Numbers
+    first_entry: Numbers
+    T: Matrix
+    b: Vector
+    g: Vector
+    coupling: Vector
+    stiffness: Vector
+    damping: Vector
+
+
+class Joints(NamedTuple):
+    """Joints of n bodies with m coordinates; see `Link`.
+
+    Parameters
+    ----------
+    parent, play, angle : ndarray, shape (n,)
+        Numbers of a body, of two coordinates and of one.
+    marker : ndarray, shape (n, 2)
+        [m]
+    sign, driven : ndarray, shape (n,)
+        [-]
+    rod_length, offset : ndarray, shape (n,)
+        [m], length 0 unless the body is a rod that swings.
+    tip : ndarray, shape (n, m)
+        [-]
+    """
+
+    parent: Numbers
+    play: Numbers
+    angle: Numbers
+    marker: Matrix
+    sign: Vector
+    driven: Vector
+    rod_length: Vector
+    offset: Vector
+    tip: Matrix
+
+
+class Elements(NamedTuple):
+    """Bodies and points of e force elements; see `Element`.
+
+    Parameters
+    ----------
+    acts, reacts, carrier, axes : ndarray, shape (e,)
+        Numbers of bodies.
+    marker, point : ndarray, shape (e, 2)
+        [m]
+    """
+
+    acts: Numbers
+    reacts: Numbers
+    carrier: Numbers
+    axes: Numbers
+    marker: Matrix
+    point: Matrix
+
+
+class Chain(NamedTuple):
+    """Bodies, joints and force elements, and the block that they hang on.
+
+    The coordinates are those of joints and block (m), then the modes of all bodies (k).
+
+    Parameters
+    ----------
+    bodies : Bodies
+    joints : Joints
+    elements : Elements
+    block : int
+        First of the block's coordinates: x, y of the origin and the angle. `NONE`: its motion is
+        given.
+    mounts : ndarray, shape (3, 3, 3)
+        Mass, damping and stiffness matrices of the block on its mounts [SI].
+    """
+
+    bodies: Bodies
+    joints: Joints
+    elements: Elements
+    block: int
+    mounts: Annotated[np.ndarray, "3, 3, 3"]
+
+
+class Loads(NamedTuple):
+    """Forces of all elements, and forces on modes.
+
+    Parameters
+    ----------
+    wrench : ndarray, shape (e, 4)
+        Force on the body that the element acts on, in the block's axes [N], its moment about the
+        element's marker, and the moment of the reaction about its point [N m].
+    modal : ndarray, shape (k,)
+        [kg^-1/2 N]
+    """
+
+    wrench: Matrix
+    modal: Vector
+
+
+# ---- construction by name
+
+
+class Link(NamedTuple):
+    """A body and its joint.
+
+    Parameters
+    ----------
+    body : FlexibleBody
+        Its integrals refer to its origin, where it hangs.
+    parent : int
+        Number of the body that it hangs on, or `BLOCK`.
+    marker : tuple of float
+        Position of the joint in the parent's axes [m].
+    play : int
+        First of two coordinates, position of the body in the joint in the block's axes [m]. Tied if
+        `NONE`.
+    sign : float
+        1, or -1 if the coordinates are the position of the joint relative to the body.
+    angle : int
+        Coordinate of the body's angle [rad]; bodies may share one.
+    driven : bool
+        Whether the drive's angle is added to it.
+    rod_length : float
+        Length of a rod that swings, 0 of any other body [m]. It points along its own y, within 90
+        deg of that of the block, and its angle follows from x of its tip.
+    tip : mapping
+        x of the tip: factor of each coordinate [-].
+    offset : float
+        x of the tip if all coordinates are 0 [m].
+    """
+
+    body: FlexibleBody
+    parent: int
+    marker: tuple[float, float] = (0.0, 0.0)
+    play: int = NONE
+    sign: float = 1.0
+    angle: int = NONE
+    driven: bool = False
+    rod_length: float = 0.0
+    tip: Mapping[int, float] = {}
+    offset: float = 0.0
+
+
+class Element(NamedTuple):
+    """A force between two bodies, or a body and the block.
+
+    Its force and moments are inputs (`Loads`), for example the sum of the nodal forces of a film.
+    This tells the tangent how they follow the motion.
+
+    Parameters
+    ----------
+    acts, reacts : int
+        Numbers of the bodies on which force and reaction act, or `BLOCK` for the second.
+    carrier, axes : int
+        Body that the point of the reaction moves with, and body that the force turns with.
+    marker, point : tuple of float
+        Centres of the moments of force and reaction, in the axes of `acts` and `carrier` [m].
+    """
+
+    acts: int
+    reacts: int = BLOCK
+    carrier: int = BLOCK
+    axes: int = BLOCK
+    marker: tuple[float, float] = (0.0, 0.0)
+    point: tuple[float, float] = (0.0, 0.0)
+
+
+def stack_bodies(bodies: Sequence[FlexibleBody]) -> Bodies:
+    """Return the tables of bodies."""
+    modes = [len(body.stiffness) for body in bodies]
+    coupling = [np.concatenate([body.B.ravel(), body.G.ravel()]) for body in bodies]
+
+    def each(name):
+        return np.array([getattr(body, name) for body in bodies])
+
+    def stacked(name):
+        return np.concatenate([getattr(body, name) for body in bodies], axis=-1)
+
+    return Bodies(
+        *map(each, ("mass", "I0", "S")),
+        np.cumsum([0, *modes], dtype=np.int64),
+        np.cumsum([0, *(len(one) for one in coupling)], dtype=np.int64),
+        *map(stacked, ("T", "b", "g")),
+        np.concatenate(coupling),
+        *map(stacked, ("stiffness", "damping")),
+    )
+
+
+def chain_of(
+    links: Sequence[Link],
+    elements: Sequence[Element] = (),
+    coordinates: int = 0,
+    block: int = NONE,
+    mounts: np.ndarray = NO_MOUNTS,
+) -> Chain:
+    """Return the chain of bodies and force elements with m coordinates of joints and block.
+
+    Raises
+    ------
+    ValueError
+        Lists every link that hangs on none before it, and every number out of range.
+    """
+    faults = []
+    for k, link in enumerate(links):
+        if not BLOCK <= link.parent < k:
+            faults.append(f"link {k}: expected a parent from -1 to {k - 1}, got {link.parent}")
+        for name, first, size in (("play", link.play, 2), ("angle", link.angle, 1)):
+            if not NONE <= first <= coordinates - size:
+                faults.append(f"link {k}: expected {name} below {coordinates}, got {first}")
+        if (link.rod_length > 0.0) != bool(link.tip) or (link.tip and link.angle != NONE):
+            faults.append(f"link {k}: expected a length and a tip of a rod, which has no angle")
+    for k, element in enumerate(elements):
+        numbers = element[:4]
+        if min(numbers) < BLOCK or max(numbers) >= len(links) or element.acts == BLOCK:
+            faults.append(f"element {k}: expected bodies below {len(links)}, got {numbers}")
+    if faults:
+        raise ValueError("\n".join(faults))
+
+    def whole(rows, name):
+        return np.array([getattr(row, name) for row in rows], dtype=np.int64)
+
+    def real(rows, name, shape=()):
+        return np.array([getattr(row, name) for row in rows], dtype=float).reshape(-1, *shape)
+
+    tip = np.zeros((len(links), coordinates))
+    for row, link in zip(tip, links):
+        row[list(link.tip)] = list(link.tip.values())
+    joints = Joints(
+        *(whole(links, name) for name in ("parent", "play", "angle")),
+        real(links, "marker", (2,)),
+        *(real(links, name) for name in ("sign", "driven", "rod_length", "offset")),
+        tip,
+    )
+    table = Elements(
+        *(whole(elements, name) for name in ("acts", "reacts", "carrier", "axes")),
+        *(real(elements, name, (2,)) for name in ("marker", "point")),
+    )
+    return Chain(stack_bodies([link.body for link in links]), joints, table, block, mounts)

@@ -1,0 +1,357 @@
+"""Equations of motion of a chain: residual, exact tangent and its solution."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable
+from ..dynamics.carrier import Carrier
+from ..dynamics.elimination import factorise, substitute
+from ..dynamics.floating_frame import TURN, Arrow, X, Y
+from ..dynamics.generalised_alpha import Motion
+from ..dynamics.slider_crank import CrankMotion
+from .chain import Chain, Loads
+from .inertia import InertiaForces, inertia_changes, inertia_forces
+from .motion import ChainMotion, Increments, MotionChanges, chain_motion, motion_changes
+
+
+class ChainForces(NamedTuple):
+    """Residual of a chain and all forces in it.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (m + k,)
+        [N], [N m], [kg^-1/2 N]
+    torque : float
+        Of the drive, which stands outside the block [N m].
+    on_block : ndarray, shape (3,)
+        Forces of joints and reactions on the block in its axes [N], and moment about its origin
+        [N m].
+    joints : ndarray, shape (n, 3)
+        Force of the parent on each body [N], moment about the body's origin [N m]. That of a rod
+        that swings contains the force that holds its tip.
+    motion : ChainMotion
+    inertia : InertiaForces
+    """
+
+    residual: np.ndarray
+    torque: float
+    on_block: np.ndarray
+    joints: np.ndarray
+    motion: ChainMotion
+    inertia: InertiaForces
+
+
+@compilable
+def chain_forces(
+    chain: Chain, loads: Loads, now: Motion, drive: CrankMotion, given: Carrier
+) -> ChainForces:
+    """Compute the residual of the equations of motion.
+
+    Eq. (V3):  r_j = sum_b J_bj . (F_b - Q_b),   r_k = F_k - Q_k
+               F the force that a body or mode needs, Q its load
+               J_bj = dp_b/dq_j by Eqs. (V1) and (V2)
+    Eq. (V4):  Q = (f, M + s x f) on the body of an element,  (-f, M_R - l x f) on that of its
+               reaction;  s, l from the bodies' origins to marker and point of the element
+    Eq. (V5):  M_B u'' + D_B u' + K_B u + sum_b (F_b, p_b x F_b + M_b) = (0, 0, torque)
+               u of the block on its mounts
+
+    Forces between the bodies and the block cancel in Eq. (V5). The products with J are a sweep from
+    the last body inwards, in which each body adds its force to that of its parent.
+
+    Parameters
+    ----------
+    chain : Chain
+    loads : Loads
+    now : Motion
+        Of all m + k coordinates.
+    drive : CrankMotion
+        Of the bodies that are driven.
+    given : Carrier
+        Motion of a block without coordinates.
+
+    Returns
+    -------
+    ChainForces
+    """
+    at = chain_motion(chain, now, drive)
+    inertia = inertia_forces(chain, at, now, given)
+    m = chain.joints.tip.shape[1]
+    residual = np.zeros(len(now.position))
+    for i in range(len(loads.modal)):
+        residual[m + i] = inertia.modal[i] - loads.modal[i]
+    force = inertia.wrench.copy()
+    total = np.zeros(3)
+    for b in range(len(force)):
+        x, y = at.position[b, X], at.position[b, Y]
+        total[X] += force[b, X]
+        total[Y] += force[b, Y]
+        total[TURN] += x * force[b, Y] - y * force[b, X] + force[b, TURN]
+    _subtract_loads(chain, loads, at, force)
+    torque = _inwards(chain, at, force, residual)
+    total[TURN] -= torque
+    k = chain.block
+    if k >= 0:
+        for i in range(3):
+            # Eq. (V5)
+            residual[k + i] += total[i]
+            for j in range(3):
+                residual[k + i] += (
+                    chain.mounts[0, i, j] * now.acceleration[k + j]
+                    + chain.mounts[1, i, j] * now.velocity[k + j]
+                    + chain.mounts[2, i, j] * now.position[k + j]
+                )
+    for i in range(3):
+        total[i] = -total[i]
+    return ChainForces(residual, torque, total, force, at, inertia)
+
+
+@compilable
+def point_of(chain: Chain, at: ChainMotion, e: int) -> tuple[float, float]:
+    """Return the point of element e from the block's origin, in the block's axes [m]."""
+    c = chain.elements.carrier[e]
+    x, y = chain.elements.point[e, X], chain.elements.point[e, Y]
+    if c < 0:
+        return x, y
+    cosine, sine = at.axes[c, 0], at.axes[c, 1]
+    return (
+        at.position[c, X] + cosine * x - sine * y,
+        at.position[c, Y] + sine * x + cosine * y,
+    )
+
+
+@compilable
+def _subtract_loads(chain, loads, at, force):
+    """Subtract the loads of all elements from the forces that bodies need."""
+    wrench = loads.wrench
+    for e in range(len(wrench)):
+        # Eq. (V4)
+        body, other = chain.elements.acts[e], chain.elements.reacts[e]
+        x, y = wrench[e, X], wrench[e, Y]
+        force[body, X] -= x
+        force[body, Y] -= y
+        c, s = at.axes[body, 0], at.axes[body, 1]
+        mx, my = chain.elements.marker[e, X], chain.elements.marker[e, Y]
+        force[body, TURN] -= wrench[e, 2] + (c * mx - s * my) * y - (s * mx + c * my) * x
+        if other >= 0:
+            px, py = point_of(chain, at, e)
+            lever = (px - at.position[other, X]) * y - (py - at.position[other, Y]) * x
+            force[other, X] += x
+            force[other, Y] += y
+            force[other, TURN] += lever - wrench[e, 3]
+
+
+@compilable
+def _inwards(chain, at, force, residual):
+    """Add the rows of all joints, and to each body's force those of its children.
+
+    Returns the torque of the drive.
+    """
+    joints = chain.joints
+    torque = 0.0
+    for b in range(len(force) - 1, -1, -1):
+        # Eq. (V3)
+        if joints.rod_length[b] > 0.0:
+            push = force[b, TURN] / (joints.rod_length[b] * at.axes[b, 0])
+            for j in range(joints.tip.shape[1]):
+                residual[j] -= joints.tip[b, j] * push
+            force[b, X] += push
+        else:
+            torque += joints.driven[b] * force[b, TURN]
+            if joints.angle[b] >= 0:
+                residual[joints.angle[b]] += force[b, TURN]
+        first = joints.play[b]
+        if first >= 0:
+            residual[first] += joints.sign[b] * force[b, X]
+            residual[first + 1] += joints.sign[b] * force[b, Y]
+        p = joints.parent[b]
+        if p >= 0:
+            force[p, X] += force[b, X]
+            force[p, Y] += force[b, Y]
+            force[p, TURN] += at.arm[b, X] * force[b, Y] - at.arm[b, Y] * force[b, X]
+    return torque
+
+
+@compilable
+def chain_tangent(
+    chain: Chain, loads: Loads, now: Motion, forces: ChainForces, by: Increments
+) -> Arrow:
+    """Compute the derivative of the residual by the unknowns of the time integrator.
+
+    It is the derivative of both sweeps, for all unknowns at once. The force of an element is
+    constant in the axes of one body, and its moment in these about a point of another.
+    Coupling of modes among each other (Eq. (D4)) is omitted.
+
+    Parameters
+    ----------
+    chain, loads, now
+        As for `chain_forces`.
+    forces : ChainForces
+    by : Increments
+
+    Returns
+    -------
+    Arrow
+        Of m rigid motions and k modes.
+    """
+    at = forces.motion
+    needed = forces.inertia.wrench
+    d = motion_changes(chain, at, by)
+    changes = inertia_changes(chain, at, forces.inertia, now, by, d)
+    change = changes.wrench
+    n, m = chain.joints.tip.shape
+    top = np.zeros((m, change.shape[2]))
+    k = chain.block
+    if k >= 0:
+        for b in range(n):
+            # Eq. (V5)
+            x, y = at.position[b, X], at.position[b, Y]
+            for j in range(change.shape[2]):
+                fx, fy = change[b, X, j], change[b, Y, j]
+                top[k + X, j] += fx
+                top[k + Y, j] += fy
+                top[k + TURN, j] += x * fy - y * fx + change[b, TURN, j]
+            for j in range(m):
+                top[k + TURN, j] += d.position[b, X, j] * needed[b, Y]
+                top[k + TURN, j] -= d.position[b, Y, j] * needed[b, X]
+        for i in range(k, k + 3):
+            for j in range(k, k + 3):
+                top[i, j] += chain.mounts[0, i - k, j - k] * by.acceleration[j]
+                top[i, j] += chain.mounts[1, i - k, j - k] * by.velocity[j]
+                top[i, j] += chain.mounts[2, i - k, j - k] * by.position[j]
+    _subtract_load_changes(chain, loads, at, d, change)
+    torque = _inward_changes(chain, at, forces.joints, d, change, top)
+    if k >= 0:
+        for j in range(len(torque)):
+            top[k + TURN, j] -= torque[j]
+    return Arrow(top, changes.left, changes.diagonal)
+
+
+@compilable
+def _subtract_load_changes(chain, loads, at, d, change):
+    """Subtract the change of the loads of all elements with the unknowns of joints."""
+    elements = chain.elements
+    for e in range(len(loads.wrench)):
+        body, other = elements.acts[e], elements.reacts[e]
+        c, axes = elements.carrier[e], elements.axes[e]
+        x, y = loads.wrench[e, X], loads.wrench[e, Y]
+        px, py = point_of(chain, at, e)
+        out_x, out_y = px - at.position[body, X], py - at.position[body, Y]
+        arm_x, arm_y = px, py
+        if c >= 0:
+            arm_x, arm_y = px - at.position[c, X], py - at.position[c, Y]
+        for j in range(d.position.shape[2]):
+            fx, fy, dx, dy = 0.0, 0.0, 0.0, 0.0
+            if axes >= 0:
+                t = d.position[axes, TURN, j]
+                fx, fy = -y * t, x * t
+            if c >= 0:
+                t = d.position[c, TURN, j]
+                dx, dy = d.position[c, X, j] - arm_y * t, d.position[c, Y, j] + arm_x * t
+            # Eq. (V4)
+            lx, ly = dx - d.position[body, X, j], dy - d.position[body, Y, j]
+            change[body, X, j] -= fx
+            change[body, Y, j] -= fy
+            change[body, TURN, j] -= lx * y - ly * x + out_x * fy - out_y * fx
+            if other >= 0:
+                lx, ly = dx - d.position[other, X, j], dy - d.position[other, Y, j]
+                change[other, X, j] += fx
+                change[other, Y, j] += fy
+                change[other, TURN, j] += lx * y - ly * x
+                change[other, TURN, j] += (px - at.position[other, X]) * fy
+                change[other, TURN, j] -= (py - at.position[other, Y]) * fx
+
+
+@compilable
+def _inward_changes(chain, at, force, d, change, top):
+    """Add the derivative of the rows of all joints, and change the parents' forces.
+
+    Returns the change of the drive's torque, (m + k,).
+    """
+    joints = chain.joints
+    n, m = joints.tip.shape
+    columns = change.shape[2]
+    torque = np.zeros(columns)
+    push = np.empty(columns)
+    for b in range(n - 1, -1, -1):
+        # Eq. (V3)
+        if joints.rod_length[b] > 0.0:
+            along = joints.rod_length[b] * at.axes[b, 0]
+            by_turn = force[b, TURN] * at.axes[b, 1] / (along * at.axes[b, 0])
+            for j in range(columns):
+                push[j] = change[b, TURN, j] / along
+            for j in range(m):
+                push[j] += by_turn * d.position[b, TURN, j]
+            for j in range(columns):
+                change[b, X, j] += push[j]
+            for i in range(m):
+                tip = joints.tip[b, i]
+                if tip != 0.0:
+                    for j in range(columns):
+                        top[i, j] -= tip * push[j]
+        else:
+            if joints.driven[b] != 0.0:
+                for j in range(columns):
+                    torque[j] += joints.driven[b] * change[b, TURN, j]
+            i = joints.angle[b]
+            if i >= 0:
+                for j in range(columns):
+                    top[i, j] += change[b, TURN, j]
+        i = joints.play[b]
+        if i >= 0:
+            for j in range(columns):
+                top[i, j] += joints.sign[b] * change[b, X, j]
+                top[i + 1, j] += joints.sign[b] * change[b, Y, j]
+        p = joints.parent[b]
+        if p >= 0:
+            x, y = at.arm[b, X], at.arm[b, Y]
+            outward = x * force[b, X] + y * force[b, Y]
+            for j in range(columns):
+                fx, fy = change[b, X, j], change[b, Y, j]
+                change[p, X, j] += fx
+                change[p, Y, j] += fy
+                change[p, TURN, j] += x * fy - y * fx
+            for j in range(m):
+                change[p, TURN, j] -= outward * d.position[p, TURN, j]
+    return torque
+
+
+@compilable
+def solve_chain(arrow: Arrow, right: np.ndarray) -> np.ndarray:
+    """Return x of `arrow` x = right, with the modes eliminated.
+
+    Eq. (V6):  (A - B D^-1 C) x = a - B D^-1 c,   y = D^-1 (c - C x)
+               of [A, B; C, D] with a diagonal D
+
+    Parameters
+    ----------
+    arrow : Arrow
+    right : ndarray, shape (m + k,)
+
+    Returns
+    -------
+    ndarray, shape (m + k,)
+    """
+    top, left, diagonal = arrow.top, arrow.left, arrow.diagonal
+    m, k = len(top), len(diagonal)
+    matrix, rest = np.empty((m, m)), np.empty(m)
+    for i in range(m):
+        rest[i] = right[i]
+        for j in range(m):
+            matrix[i, j] = top[i, j]
+        for mode in range(k):
+            # Eq. (V6)
+            share = top[i, m + mode] / diagonal[mode]
+            rest[i] -= share * right[m + mode]
+            for j in range(m):
+                matrix[i, j] -= share * left[mode, j]
+    x = substitute(factorise(matrix), rest)
+    out = np.empty(m + k)
+    for i in range(m):
+        out[i] = x[i]
+    for mode in range(k):
+        total = right[m + mode]
+        for j in range(m):
+            total -= left[mode, j] * x[j]
+        out[m + mode] = total / diagonal[mode]
+    return out

@@ -1,0 +1,231 @@
+"""Motion of all bodies of a chain, from the block outwards, and its derivative."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable
+from ..dynamics.floating_frame import TURN, X, Y
+from ..dynamics.generalised_alpha import Motion
+from ..dynamics.slider_crank import CrankMotion
+from ..geometry.arrays import Matrix, Vector
+from .chain import Chain
+
+
+class Increments(NamedTuple):
+    """Change of each coordinate with its unknown, as the time integrator moves it.
+
+    Parameters
+    ----------
+    position, velocity, acceleration : ndarray, shape (m + k,)
+        If the unknowns are end accelerations: [s2], [s] and 1.
+    """
+
+    position: Vector
+    velocity: Vector
+    acceleration: Vector
+
+
+class ChainMotion(NamedTuple):
+    """Motion of all n bodies in the block's axes.
+
+    Parameters
+    ----------
+    axes : ndarray, shape (n, 2)
+        Cosine and sine of the angles [-].
+    arm : ndarray, shape (n, 2)
+        From the parent's origin to the joint [m].
+    position : ndarray, shape (n, 2)
+        Of the origins, from that of the block [m].
+    velocity, acceleration : ndarray, shape (n, 3)
+        Of the origins [m/s], [m/s2] and of the angles [rad/s], [rad/s2].
+    """
+
+    axes: np.ndarray
+    arm: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+
+class MotionChanges(NamedTuple):
+    """Change of the motion of all n bodies with each of m unknowns; angles are the third row.
+
+    Parameters
+    ----------
+    position, velocity, acceleration : ndarray, shape (n, 3, m)
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+
+@compilable
+def chain_motion(chain: Chain, now: Motion, drive: CrankMotion) -> ChainMotion:
+    """Compute the motion of all bodies in the block's axes.
+
+    Eq. (V1):  p = p_P + R_P s + j u,   p'' = p_P'' + (chi_P'' Z - chi_P'^2) R_P s + j u''
+               s the joint in the axes R of the parent P, u the play and j its sign
+    Eq. (V2):  sin chi = (x - x_T)/L,   chi' = (x' - x_T')/(L cos chi)
+               chi'' = (x'' - x_T'' + L sin chi chi'^2)/(L cos chi)
+               of a rod with its origin at x and its tip at x_T, linear in the coordinates
+
+    Parameters
+    ----------
+    chain : Chain
+    now : Motion
+        Of all coordinates, n = m + k.
+    drive : CrankMotion
+
+    Returns
+    -------
+    ChainMotion
+    """
+    joints = chain.joints
+    n = len(joints.parent)
+    at = ChainMotion(
+        np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.zeros((n, 3)), np.zeros((n, 3))
+    )
+    position, velocity, acceleration = at.position, at.velocity, at.acceleration
+    for b in range(n):
+        # Eq. (V1)
+        p = joints.parent[b]
+        x, y = joints.marker[b, X], joints.marker[b, Y]
+        if p < 0:
+            position[b, X], position[b, Y] = x, y
+        else:
+            c, s = at.axes[p, 0], at.axes[p, 1]
+            x, y = c * x - s * y, s * x + c * y
+            w, alpha = velocity[p, TURN], acceleration[p, TURN]
+            position[b, X] = position[p, X] + x
+            position[b, Y] = position[p, Y] + y
+            velocity[b, X] = velocity[p, X] - w * y
+            velocity[b, Y] = velocity[p, Y] + w * x
+            acceleration[b, X] = acceleration[p, X] - alpha * y - w * w * x
+            acceleration[b, Y] = acceleration[p, Y] + alpha * x - w * w * y
+        at.arm[b, X], at.arm[b, Y] = x, y
+        first = joints.play[b]
+        if first >= 0:
+            for way in range(2):
+                position[b, way] += joints.sign[b] * now.position[first + way]
+                velocity[b, way] += joints.sign[b] * now.velocity[first + way]
+                acceleration[b, way] += joints.sign[b] * now.acceleration[first + way]
+        if joints.rod_length[b] > 0.0:
+            _swing(chain, b, now, at)
+        else:
+            _turn(chain, b, now, drive, at)
+    return at
+
+
+@compilable
+def _turn(chain, b, now, drive, at):
+    """Write the angle of body b, driven or a coordinate."""
+    joints = chain.joints
+    angle = joints.driven[b] * drive.angle
+    at.velocity[b, TURN] = joints.driven[b] * drive.speed
+    at.acceleration[b, TURN] = joints.driven[b] * drive.acceleration
+    k = joints.angle[b]
+    if k >= 0:
+        angle += now.position[k]
+        at.velocity[b, TURN] += now.velocity[k]
+        at.acceleration[b, TURN] += now.acceleration[k]
+    at.axes[b, 0], at.axes[b, 1] = np.cos(angle), np.sin(angle)
+
+
+@compilable
+def _swing(chain, b, now, at):
+    """Write the angle of rod b, which follows from x of its tip."""
+    joints = chain.joints
+    length = joints.rod_length[b]
+    x, v, a = joints.offset[b], 0.0, 0.0
+    for j in range(joints.tip.shape[1]):
+        x += joints.tip[b, j] * now.position[j]
+        v += joints.tip[b, j] * now.velocity[j]
+        a += joints.tip[b, j] * now.acceleration[j]
+    # Eq. (V2)
+    sine = (at.position[b, X] - x) / length
+    cosine = np.sqrt(1 - sine * sine)
+    w = (at.velocity[b, X] - v) / (length * cosine)
+    at.axes[b, 0], at.axes[b, 1] = cosine, sine
+    at.velocity[b, TURN] = w
+    at.acceleration[b, TURN] = (at.acceleration[b, X] - a + length * sine * w * w) / (
+        length * cosine
+    )
+
+
+@compilable
+def motion_changes(chain: Chain, at: ChainMotion, by: Increments) -> MotionChanges:
+    """Compute the derivative of `chain_motion` by the unknowns of joints.
+
+    The motion is that in the block's axes, in which the block's own coordinates change nothing.
+
+    Parameters
+    ----------
+    chain : Chain
+    at : ChainMotion
+    by : Increments
+
+    Returns
+    -------
+    MotionChanges
+    """
+    joints = chain.joints
+    n, m = joints.tip.shape
+    d = MotionChanges(np.zeros((n, 3, m)), np.zeros((n, 3, m)), np.zeros((n, 3, m)))
+    for b in range(n):
+        p = joints.parent[b]
+        if p >= 0:
+            x, y = at.arm[b, X], at.arm[b, Y]
+            w, alpha = at.velocity[p, TURN], at.acceleration[p, TURN]
+            for j in range(m):
+                # Eq. (V1)
+                t, dw, da = (
+                    d.position[p, TURN, j],
+                    d.velocity[p, TURN, j],
+                    d.acceleration[p, TURN, j],
+                )
+                dx, dy = -y * t, x * t
+                d.position[b, X, j] = d.position[p, X, j] + dx
+                d.position[b, Y, j] = d.position[p, Y, j] + dy
+                d.velocity[b, X, j] = d.velocity[p, X, j] - dw * y - w * dy
+                d.velocity[b, Y, j] = d.velocity[p, Y, j] + dw * x + w * dx
+                spin = 2 * w * dw
+                d.acceleration[b, X, j] = (
+                    d.acceleration[p, X, j] - da * y - alpha * dy - spin * x - w * w * dx
+                )
+                d.acceleration[b, Y, j] = (
+                    d.acceleration[p, Y, j] + da * x + alpha * dx - spin * y - w * w * dy
+                )
+        first = joints.play[b]
+        if first >= 0:
+            for way in range(2):
+                j = first + way
+                d.position[b, way, j] += joints.sign[b] * by.position[j]
+                d.velocity[b, way, j] += joints.sign[b] * by.velocity[j]
+                d.acceleration[b, way, j] += joints.sign[b] * by.acceleration[j]
+        j = joints.angle[b]
+        if joints.rod_length[b] > 0.0:
+            _swing_changes(chain, b, at, by, d)
+        elif j >= 0:
+            d.position[b, TURN, j] = by.position[j]
+            d.velocity[b, TURN, j] = by.velocity[j]
+            d.acceleration[b, TURN, j] = by.acceleration[j]
+    return d
+
+
+@compilable
+def _swing_changes(chain, b, at, by, d):
+    """Write the change of the angle of rod b."""
+    joints = chain.joints
+    along, aside = joints.rod_length[b] * at.axes[b, 0], joints.rod_length[b] * at.axes[b, 1]
+    w, alpha = at.velocity[b, TURN], at.acceleration[b, TURN]
+    for j in range(joints.tip.shape[1]):
+        # Eq. (V2)
+        tip = joints.tip[b, j]
+        t = (d.position[b, X, j] - tip * by.position[j]) / along
+        dw = (d.velocity[b, X, j] - tip * by.velocity[j] + w * aside * t) / along
+        da = d.acceleration[b, X, j] - tip * by.acceleration[j] + 2 * aside * w * dw
+        d.position[b, TURN, j] = t
+        d.velocity[b, TURN, j] = dw
+        d.acceleration[b, TURN, j] = (da + (along * w * w + alpha * aside) * t) / along

@@ -1,0 +1,126 @@
+"""Engines as chains of bodies, for tests and benches of `fmu_mfbd.mechanism`."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
+from piston_cosim.fmu_mfbd.mechanism.chain import (
+    BLOCK,
+    NO_MOUNTS,
+    NONE,
+    Chain,
+    Element,
+    Link,
+    chain_of,
+)
+
+MECHANISM = Mechanism(0.072, 0.223, 1.2e-3, 1.7, 0.017, 72 / 223, 0.5)
+SPIN_INERTIA = 2e-4
+CRANK = CrankMotion(0.9, 210.0, 4e3)
+CRANK_MASS, UNBALANCE = 3.1, 0.012
+MOUNTS = np.array(
+    [
+        [[90.0, 0.0, -2.0], [0.0, 90.0, 1.0], [-2.0, 1.0, 4.0]],
+        np.diag([2e3, 2e3, 50.0]),
+        np.diag([2e6, 2e6, 5e4]),
+    ]
+)
+GAS = 12e3
+
+
+class Engine(NamedTuple):
+    """A chain, and which of its bodies and elements are which.
+
+    pistons : numbers of bodies; skirts, gas : elements on each; plays : first coordinates of plays,
+    with the element of the film in each.
+    """
+
+    chain: Chain
+    pistons: list
+    skirts: list
+    gas: list
+    films: dict
+
+
+def rigid(mass, y=0.0, about_origin=0.0):
+    """Return a rigid body with its centre of mass at y [m]."""
+    none, square = np.zeros(0), np.zeros((0, 0))
+    S = np.array([0.0, mass * y])
+    return FlexibleBody(
+        mass, S, about_origin, np.zeros((2, 0)), none, square, none, square, none, none
+    )
+
+
+def flexible(modes, seed=3):
+    """Return a piston whose matrices have no symmetry that they need not have."""
+    rng = np.random.default_rng(seed)
+    omega = np.linspace(2e4, 3e5, modes)
+    first, second = rng.standard_normal((2, modes, modes)) / max(1, modes) ** 0.5
+    return FlexibleBody(
+        1.39,
+        1.39 * np.array([1.5e-3, 26.5e-3]),
+        0.004,
+        0.2 * rng.standard_normal((2, modes)),
+        5e-3 * rng.standard_normal(modes),
+        0.3 * (first + first.T) + np.eye(modes),
+        5e-3 * rng.standard_normal(modes),
+        0.2 * (second - second.T),
+        omega**2,
+        0.04 * omega,
+    )
+
+
+def engine(pistons, floating=False, crank_films=False, mounted=False):
+    """Return the engine of some flexible pistons, with their cranks evenly apart.
+
+    Coordinates of each cylinder: x_A, rocking angle; with a floating pin pin from bosses, pin from
+    eye (x, y), angle of the pin; with films of the crank crank pin from big end. Then journal from
+    main bearing, and x, y and angle of the block.
+    """
+    m = MECHANISM
+    per = 2 + 5 * floating + 2 * crank_films
+    journal = per * len(pistons) if crank_films else NONE
+    block = per * len(pistons) + 2 * crank_films if mounted else NONE
+    size = per * len(pistons) + 2 * crank_films + 3 * mounted
+    crank = rigid(CRANK_MASS)._replace(S=np.array([0.0, UNBALANCE])) if crank_films else rigid(0.0)
+    about_end = m.rod_inertia + m.rod_mass * (m.rod_centre * m.rod_length) ** 2
+    rod = rigid(m.rod_mass, m.rod_centre * m.rod_length, about_end)
+    pin = rigid(m.pin_mass, 0.0, SPIN_INERTIA if floating else 0.0)
+    links = [Link(crank, BLOCK, play=journal, driven=True)]
+    elements, found = [], Engine(None, [], [], [], {})
+
+    def film(play, journal, shell, point=(0.0, 0.0), marker=(0.0, 0.0)):
+        found.films[play] = len(elements)
+        elements.append(Element(journal, shell, shell, shell, marker, point))
+
+    if crank_films:
+        film(journal, 0, BLOCK)
+    for k, piston in enumerate(pistons):
+        x = per * k
+        boss, eye, spin = (x + 2, x + 4, x + 6) if floating else (NONE, NONE, x + 1)
+        big_end = x + per - 2 if crank_films else NONE
+        at = len(links)
+        angle = 2 * np.pi * k / len(pistons)
+        pin_of_crank = (-m.crank_radius * np.sin(angle), m.crank_radius * np.cos(angle))
+        tip = {x: 1.0, boss: 1.0, eye: -1.0} if floating else {x: 1.0}
+        links += [
+            Link(rod, 0, pin_of_crank, big_end, -1.0, NONE, False, m.rod_length, tip, m.offset),
+            Link(pin, at, (0.0, m.rod_length), eye, 1.0, spin),
+            Link(piston, at + 1, (0.0, 0.0), boss, -1.0, x + 1),
+        ]
+        if crank_films:
+            film(big_end, 0, at, marker=pin_of_crank)
+        if floating:
+            film(eye, at + 1, at, (0.0, m.rod_length))
+            film(boss, at + 1, at + 2)
+        found.pistons.append(at + 2)
+        found.skirts.append(len(elements))
+        found.gas.append(len(elements) + 1)
+        elements += [
+            Element(at + 2, BLOCK, at + 2, BLOCK),
+            Element(at + 2, BLOCK, point=(m.offset, 0.0)),
+        ]
+    mounts = MOUNTS if mounted else NO_MOUNTS
+    return found._replace(chain=chain_of(links, elements, size, block, mounts))
