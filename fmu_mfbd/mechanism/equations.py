@@ -12,7 +12,7 @@ from ..dynamics.generalised_alpha import Motion
 from ..dynamics.slider_crank import CrankMotion
 from .chain import Chain, Loads
 from .inertia import InertiaForces, inertia_changes, inertia_forces
-from .motion import ChainMotion, Increments, MotionChanges, chain_motion, motion_changes
+from .motion import ChainMotion, Increments, chain_motion, motion_changes
 
 
 class ChainForces(NamedTuple):

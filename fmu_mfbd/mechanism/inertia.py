@@ -8,7 +8,7 @@ from ...master.fmi.compiled import compilable
 from ..dynamics.carrier import Carrier, transport
 from ..dynamics.floating_frame import TURN, X, Y
 from ..dynamics.generalised_alpha import Motion
-from .chain import Bodies, Chain
+from .chain import Chain
 from .motion import ChainMotion, Increments, MotionChanges
 
 BQ, GQ, GV = range(3)

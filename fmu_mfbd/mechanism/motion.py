@@ -8,7 +8,7 @@ from ...master.fmi.compiled import compilable
 from ..dynamics.floating_frame import TURN, X, Y
 from ..dynamics.generalised_alpha import Motion
 from ..dynamics.slider_crank import CrankMotion
-from ..geometry.arrays import Matrix, Vector
+from ..geometry.arrays import Vector
 from .chain import Chain
 
 

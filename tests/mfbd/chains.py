@@ -72,23 +72,23 @@ def flexible(modes, seed=3):
     )
 
 
-def engine(pistons, floating=False, crank_films=False, mounted=False):
+def engine(pistons, floating=False, crank_films=False, mounted=False, free=False):
     """Return the engine of some flexible pistons, with their cranks evenly apart.
 
     Coordinates of each cylinder: x_A, rocking angle; with a floating pin pin from bosses, pin from
     eye (x, y), angle of the pin; with films of the crank crank pin from big end. Then journal from
-    main bearing, and x, y and angle of the block.
+    main bearing, x, y and angle of the block, and the lead of a free crank over its drive.
     """
     m = MECHANISM
     per = 2 + 5 * floating + 2 * crank_films
     journal = per * len(pistons) if crank_films else NONE
     block = per * len(pistons) + 2 * crank_films if mounted else NONE
-    size = per * len(pistons) + 2 * crank_films + 3 * mounted
+    size = per * len(pistons) + 2 * crank_films + 3 * mounted + free
     crank = rigid(CRANK_MASS)._replace(S=np.array([0.0, UNBALANCE])) if crank_films else rigid(0.0)
     about_end = m.rod_inertia + m.rod_mass * (m.rod_centre * m.rod_length) ** 2
     rod = rigid(m.rod_mass, m.rod_centre * m.rod_length, about_end)
     pin = rigid(m.pin_mass, 0.0, SPIN_INERTIA if floating else 0.0)
-    links = [Link(crank, BLOCK, play=journal, driven=True)]
+    links = [Link(crank, BLOCK, play=journal, angle=size - 1 if free else NONE, driven=True)]
     elements, found = [], Engine(None, [], [], [], {})
 
     def film(play, journal, shell, point=(0.0, 0.0), marker=(0.0, 0.0)):
