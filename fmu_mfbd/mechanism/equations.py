@@ -48,15 +48,16 @@ def chain_forces(
 ) -> ChainForces:
     """Compute the residual of the equations of motion.
 
-    Eq. (V3):  r_j = sum_b J_bj . (F_b - Q_b),   r_k = F_k - Q_k
-               F the force that a body or mode needs, Q its load
-               J_bj = dp_b/dq_j by Eqs. (V1) and (V2)
-    Eq. (V4):  Q = (f, M + s x f) on the body of an element,  (-f, M_R - l x f) on that of its
-               reaction;  s, l from the bodies' origins to marker and point of the element
-    Eq. (V5):  M_B u'' + D_B u' + K_B u + sum_b (F_b, p_b x F_b + M_b) = (0, 0, torque)
-               u of the block on its mounts
+    Eq. (D61):  r_j = sum_b J_bj . (F_b - Q_b),   r_k = F_k - Q_k
+                F the force that a body or mode needs, Q its load
+                J_bj = dp_b/dq_j by Eqs. (K41) and (K42)
+    Eq. (D62):  Q = (f, M + s x f)      on the body of an element
+                Q = (-f, M_R - l x f)      on that of its reaction
+                s, l from the origins of both bodies to marker and point of the element
+    Eq. (D63):  M_B u'' + D_B u' + K_B u + sum_b (F_b, p_b x F_b + M_b) = (0, 0, torque)
+                u of the block on its mounts
 
-    Forces between the bodies and the block cancel in Eq. (V5). The products with J are a sweep from
+    Forces between the bodies and the block cancel in Eq. (D63). The products with J are a sweep from
     the last body inwards, in which each body adds its force to that of its parent.
 
     Parameters
@@ -93,7 +94,7 @@ def chain_forces(
     k = chain.block
     if k >= 0:
         for i in range(3):
-            # Eq. (V5)
+            # Eq. (D63)
             residual[k + i] += total[i]
             for j in range(3):
                 residual[k + i] += (
@@ -125,7 +126,7 @@ def _subtract_loads(chain, loads, at, force):
     """Subtract the loads of all elements from the forces that bodies need."""
     wrench = loads.wrench
     for e in range(len(wrench)):
-        # Eq. (V4)
+        # Eq. (D62)
         body, other = chain.elements.acts[e], chain.elements.reacts[e]
         x, y = wrench[e, X], wrench[e, Y]
         force[body, X] -= x
@@ -150,7 +151,7 @@ def _inwards(chain, at, force, residual):
     joints = chain.joints
     torque = 0.0
     for b in range(len(force) - 1, -1, -1):
-        # Eq. (V3)
+        # Eq. (D61)
         if joints.rod_length[b] > 0.0:
             push = force[b, TURN] / (joints.rod_length[b] * at.axes[b, 0])
             for j in range(joints.tip.shape[1]):
@@ -204,7 +205,7 @@ def chain_tangent(
     k = chain.block
     if k >= 0:
         for b in range(n):
-            # Eq. (V5)
+            # Eq. (D63)
             x, y = at.position[b, X], at.position[b, Y]
             for j in range(change.shape[2]):
                 fx, fy = change[b, X, j], change[b, Y, j]
@@ -248,7 +249,7 @@ def _subtract_load_changes(chain, loads, at, d, change):
             if c >= 0:
                 t = d.position[c, TURN, j]
                 dx, dy = d.position[c, X, j] - arm_y * t, d.position[c, Y, j] + arm_x * t
-            # Eq. (V4)
+            # Eq. (D62)
             lx, ly = dx - d.position[body, X, j], dy - d.position[body, Y, j]
             change[body, X, j] -= fx
             change[body, Y, j] -= fy
@@ -274,7 +275,7 @@ def _inward_changes(chain, at, force, d, change, top):
     torque = np.zeros(columns)
     push = np.empty(columns)
     for b in range(n - 1, -1, -1):
-        # Eq. (V3)
+        # Eq. (D61)
         if joints.rod_length[b] > 0.0:
             along = joints.rod_length[b] * at.axes[b, 0]
             by_turn = force[b, TURN] * at.axes[b, 1] / (along * at.axes[b, 0])
@@ -320,8 +321,8 @@ def _inward_changes(chain, at, force, d, change, top):
 def solve_chain(arrow: Arrow, right: np.ndarray) -> np.ndarray:
     """Return x of `arrow` x = right, with the modes eliminated.
 
-    Eq. (V6):  (A - B D^-1 C) x = a - B D^-1 c,   y = D^-1 (c - C x)
-               of [A, B; C, D] with a diagonal D
+    Eq. (D64):  (A - B D^-1 C) x = a - B D^-1 c,   y = D^-1 (c - C x)
+                of [A, B; C, D] with a diagonal D
 
     Parameters
     ----------
@@ -340,7 +341,7 @@ def solve_chain(arrow: Arrow, right: np.ndarray) -> np.ndarray:
         for j in range(m):
             matrix[i, j] = top[i, j]
         for mode in range(k):
-            # Eq. (V6)
+            # Eq. (D64)
             share = top[i, m + mode] / diagonal[mode]
             rest[i] -= share * right[m + mode]
             for j in range(m):

@@ -65,11 +65,11 @@ class MotionChanges(NamedTuple):
 def chain_motion(chain: Chain, now: Motion, drive: CrankMotion) -> ChainMotion:
     """Compute the motion of all bodies in the block's axes.
 
-    Eq. (V1):  p = p_P + R_P s + j u,   p'' = p_P'' + (chi_P'' Z - chi_P'^2) R_P s + j u''
-               s the joint in the axes R of the parent P, u the play and j its sign
-    Eq. (V2):  sin chi = (x - x_T)/L,   chi' = (x' - x_T')/(L cos chi)
-               chi'' = (x'' - x_T'' + L sin chi chi'^2)/(L cos chi)
-               of a rod with its origin at x and its tip at x_T, linear in the coordinates
+    Eq. (K41):  p = p_P + R_P s + j u,   p'' = p_P'' + (chi_P'' Z - chi_P'^2) R_P s + j u''
+                s the joint in the axes R_P of the parent P, u the play and j its sign
+    Eq. (K42):  sin chi = (x - x_T)/L,   chi' = (x' - x_T')/(L cos chi)
+                chi'' = (x'' - x_T'' + L sin chi chi'^2)/(L cos chi)
+                of a rod with its origin at x and its tip at x_T, linear in the coordinates
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def chain_motion(chain: Chain, now: Motion, drive: CrankMotion) -> ChainMotion:
     )
     position, velocity, acceleration = at.position, at.velocity, at.acceleration
     for b in range(n):
-        # Eq. (V1)
+        # Eq. (K41)
         p = joints.parent[b]
         x, y = joints.marker[b, X], joints.marker[b, Y]
         if p < 0:
@@ -143,7 +143,7 @@ def _swing(chain, b, now, at):
         x += joints.tip[b, j] * now.position[j]
         v += joints.tip[b, j] * now.velocity[j]
         a += joints.tip[b, j] * now.acceleration[j]
-    # Eq. (V2)
+    # Eq. (K42)
     sine = (at.position[b, X] - x) / length
     cosine = np.sqrt(1 - sine * sine)
     w = (at.velocity[b, X] - v) / (length * cosine)
@@ -179,7 +179,7 @@ def motion_changes(chain: Chain, at: ChainMotion, by: Increments) -> MotionChang
             x, y = at.arm[b, X], at.arm[b, Y]
             w, alpha = at.velocity[p, TURN], at.acceleration[p, TURN]
             for j in range(m):
-                # Eq. (V1)
+                # Eq. (K41)
                 t, dw, da = (
                     d.position[p, TURN, j],
                     d.velocity[p, TURN, j],
@@ -221,7 +221,7 @@ def _swing_changes(chain, b, at, by, d):
     along, aside = joints.rod_length[b] * at.axes[b, 0], joints.rod_length[b] * at.axes[b, 1]
     w, alpha = at.velocity[b, TURN], at.acceleration[b, TURN]
     for j in range(joints.tip.shape[1]):
-        # Eq. (V2)
+        # Eq. (K42)
         tip = joints.tip[b, j]
         t = (d.position[b, X, j] - tip * by.position[j]) / along
         dw = (d.velocity[b, X, j] - tip * by.velocity[j] + w * aside * t) / along

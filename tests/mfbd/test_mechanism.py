@@ -1,5 +1,7 @@
 """Chains of bodies: against the equations by hand, differences, virtual work and momentum."""
 
+import os
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,11 @@ from piston_cosim.fmu_mfbd.geometry.pin import PinResultants
 from piston_cosim.fmu_mfbd.mechanism.chain import Loads
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces, chain_tangent, solve_chain
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
+from piston_cosim.master.fmi.block import row_of
+from piston_cosim.master.fmi.native_code import RAW
 
+from ..command import script
+from . import chain_entry
 from .chains import (
     CRANK,
     CRANK_MASS,
@@ -325,3 +331,28 @@ def test_momentum_and_energy(built):
     held = v @ (bodies.damping * v + bodies.stiffness * q)
     rows = [*(own.residual * now.velocity), own.torque * CRANK.speed, -held]
     assert rates[3] == pytest.approx(sum(rows), abs=1e-9 * np.abs(rows).sum())
+
+
+@pytest.mark.slow
+def test_one_compiled_kernel_serves_every_chain():
+    """Compiled code of one signature solves chains of 4 and 7 bodies as Python does."""
+    for make in ENGINES.values():
+        built = make()
+        now = motion(built)
+        n = len(now.position)
+        problem = chain_entry.ChainProblem(
+            built.chain, loads(built, now), now, reach(n), CRANK, MOVING
+        )
+        memory, none = row_of(problem), np.zeros(0)
+        own, known = np.empty(n), np.empty(n)
+        chain_entry.advance(own, np.zeros(0, dtype=np.int64), memory, none)
+        chain_entry.advance.py_func(known, None, memory, none)
+        np.testing.assert_allclose(own, known, rtol=1e-11)  # products of matrices in another order
+    assert len(chain_entry.advance.dispatcher.signatures) == 1
+
+
+@pytest.mark.slow
+def test_a_chain_is_machine_code_without_python():
+    code = f"import runpy; runpy.run_module({chain_entry.__name__!r}, run_name='__main__')"
+    sizes = script(code, env=os.environ | RAW).split()[1::2]
+    assert all(1e4 < int(size) < 3e5 for size in sizes) and len(sizes) == 3
