@@ -255,7 +255,8 @@ def chain_of(
             faults.append(f"link {k}: expected a parent from -1 to {k - 1}, got {link.parent}")
         for name, first, size in (("play", link.play, 2), ("angle", link.angle, 1)):
             if not NONE <= first <= coordinates - size:
-                faults.append(f"link {k}: expected {name} below {coordinates}, got {first}")
+                last = coordinates - size
+                faults.append(f"link {k}: expected {name} from -1 to {last}, got {first}")
         if (link.rod_length > 0.0) != bool(link.tip) or (link.tip and link.angle != NONE):
             faults.append(f"link {k}: expected a length and a tip of a rod, which has no angle")
     for k, element in enumerate(elements):

@@ -10,7 +10,7 @@ from ..dynamics.elimination import factorise, substitute
 from ..dynamics.floating_frame import TURN, Arrow, X, Y
 from ..dynamics.generalised_alpha import Motion
 from ..dynamics.slider_crank import CrankMotion
-from .chain import Chain, Loads
+from .chain import Chain, Elements, Loads
 from .inertia import InertiaForces, inertia_changes, inertia_forces
 from .motion import ChainMotion, Increments, chain_motion, motion_changes
 
@@ -57,8 +57,8 @@ def chain_forces(
     Eq. (D63):  M_B u'' + D_B u' + K_B u + sum_b (F_b, p_b x F_b + M_b) = (0, 0, torque)
                 u of the block on its mounts
 
-    Forces between the bodies and the block cancel in Eq. (D63). The products with J are a sweep from
-    the last body inwards, in which each body adds its force to that of its parent.
+    Forces between the bodies and the block cancel in Eq. (D63). The products with J are a sweep
+    from the last body inwards, in which each body adds its force to that of its parent.
 
     Parameters
     ----------
@@ -75,9 +75,9 @@ def chain_forces(
     -------
     ChainForces
     """
-    at = chain_motion(chain, now, drive)
-    inertia = inertia_forces(chain, at, now, given)
     m = chain.joints.tip.shape[1]
+    at = chain_motion(chain.joints, now, drive)
+    inertia = inertia_forces(chain.bodies, at, now, block_motion(chain.block, now, given), m)
     residual = np.zeros(len(now.position))
     for i in range(len(loads.modal)):
         residual[m + i] = inertia.modal[i] - loads.modal[i]
@@ -88,8 +88,8 @@ def chain_forces(
         total[X] += force[b, X]
         total[Y] += force[b, Y]
         total[TURN] += x * force[b, Y] - y * force[b, X] + force[b, TURN]
-    _subtract_loads(chain, loads, at, force)
-    torque = _inwards(chain, at, force, residual)
+    _subtract_loads(chain.elements, loads.wrench, at, force)
+    torque = _inwards(chain.joints, at, force, residual)
     total[TURN] -= torque
     k = chain.block
     if k >= 0:
@@ -108,34 +108,39 @@ def chain_forces(
 
 
 @compilable
-def point_of(chain: Chain, at: ChainMotion, e: int) -> tuple[float, float]:
-    """Return the point of element e from the block's origin, in the block's axes [m]."""
-    c = chain.elements.carrier[e]
-    x, y = chain.elements.point[e, X], chain.elements.point[e, Y]
-    if c < 0:
-        return x, y
-    cosine, sine = at.axes[c, 0], at.axes[c, 1]
-    return (
-        at.position[c, X] + cosine * x - sine * y,
-        at.position[c, Y] + sine * x + cosine * y,
-    )
+def block_motion(block: int, now: Motion, given: Carrier) -> Carrier:
+    """Return the motion of the block, `given` unless it has coordinates from `block` on."""
+    if block < 0:
+        return given
+    a = now.acceleration
+    return Carrier(a[block], a[block + 1], a[block + 2], now.velocity[block + 2])
 
 
 @compilable
-def _subtract_loads(chain, loads, at, force):
+def point_of(elements: Elements, at: ChainMotion, e: int) -> tuple[float, float]:
+    """Return the point of element e from the block's origin, in the block's axes [m]."""
+    c = elements.carrier[e]
+    x, y = elements.point[e, X], elements.point[e, Y]
+    if c < 0:
+        return x, y
+    cosine, sine = at.axes[c, 0], at.axes[c, 1]
+    return at.position[c, X] + cosine * x - sine * y, at.position[c, Y] + sine * x + cosine * y
+
+
+@compilable
+def _subtract_loads(elements, wrench, at, force):
     """Subtract the loads of all elements from the forces that bodies need."""
-    wrench = loads.wrench
     for e in range(len(wrench)):
         # Eq. (D62)
-        body, other = chain.elements.acts[e], chain.elements.reacts[e]
+        body, other = elements.acts[e], elements.reacts[e]
         x, y = wrench[e, X], wrench[e, Y]
+        c, s = at.axes[body, 0], at.axes[body, 1]
+        mx, my = elements.marker[e, X], elements.marker[e, Y]
         force[body, X] -= x
         force[body, Y] -= y
-        c, s = at.axes[body, 0], at.axes[body, 1]
-        mx, my = chain.elements.marker[e, X], chain.elements.marker[e, Y]
         force[body, TURN] -= wrench[e, 2] + (c * mx - s * my) * y - (s * mx + c * my) * x
         if other >= 0:
-            px, py = point_of(chain, at, e)
+            px, py = point_of(elements, at, e)
             lever = (px - at.position[other, X]) * y - (py - at.position[other, Y]) * x
             force[other, X] += x
             force[other, Y] += y
@@ -143,12 +148,11 @@ def _subtract_loads(chain, loads, at, force):
 
 
 @compilable
-def _inwards(chain, at, force, residual):
+def _inwards(joints, at, force, residual):
     """Add the rows of all joints, and to each body's force those of its children.
 
     Returns the torque of the drive.
     """
-    joints = chain.joints
     torque = 0.0
     for b in range(len(force) - 1, -1, -1):
         # Eq. (D61)
@@ -196,47 +200,53 @@ def chain_tangent(
         Of m rigid motions and k modes.
     """
     at = forces.motion
-    needed = forces.inertia.wrench
-    d = motion_changes(chain, at, by)
-    changes = inertia_changes(chain, at, forces.inertia, now, by, d)
+    d = motion_changes(chain.joints, at, by)
+    changes = inertia_changes(chain.bodies, at, now, forces.inertia, by, d, chain.block)
     change = changes.wrench
-    n, m = chain.joints.tip.shape
+    m = chain.joints.tip.shape[1]
     top = np.zeros((m, change.shape[2]))
-    k = chain.block
-    if k >= 0:
-        for b in range(n):
-            # Eq. (D63)
-            x, y = at.position[b, X], at.position[b, Y]
-            for j in range(change.shape[2]):
-                fx, fy = change[b, X, j], change[b, Y, j]
-                top[k + X, j] += fx
-                top[k + Y, j] += fy
-                top[k + TURN, j] += x * fy - y * fx + change[b, TURN, j]
-            for j in range(m):
-                top[k + TURN, j] += d.position[b, X, j] * needed[b, Y]
-                top[k + TURN, j] -= d.position[b, Y, j] * needed[b, X]
-        for i in range(k, k + 3):
-            for j in range(k, k + 3):
-                top[i, j] += chain.mounts[0, i - k, j - k] * by.acceleration[j]
-                top[i, j] += chain.mounts[1, i - k, j - k] * by.velocity[j]
-                top[i, j] += chain.mounts[2, i - k, j - k] * by.position[j]
-    _subtract_load_changes(chain, loads, at, d, change)
-    torque = _inward_changes(chain, at, forces.joints, d, change, top)
-    if k >= 0:
+    if chain.block >= 0:
+        _put_block_rows(chain, at, forces.inertia.wrench, by, d, change, top)
+    _subtract_load_changes(chain.elements, loads.wrench, at, d, change)
+    torque = _inward_changes(chain.joints, at, forces.joints, d, change, top)
+    if chain.block >= 0:
         for j in range(len(torque)):
-            top[k + TURN, j] -= torque[j]
+            top[chain.block + TURN, j] -= torque[j]
     return Arrow(top, changes.left, changes.diagonal)
 
 
 @compilable
-def _subtract_load_changes(chain, loads, at, d, change):
+def _put_block_rows(chain, at, needed, by, d, change, top):
+    """Write the derivative of the rows of the block, but for the torque."""
+    k = chain.block
+    for b in range(len(needed)):
+        # Eq. (D63)
+        x, y = at.position[b, X], at.position[b, Y]
+        for j in range(change.shape[2]):
+            fx, fy = change[b, X, j], change[b, Y, j]
+            top[k + X, j] += fx
+            top[k + Y, j] += fy
+            top[k + TURN, j] += x * fy - y * fx + change[b, TURN, j]
+        for j in range(len(top)):
+            top[k + TURN, j] += d.position[b, X, j] * needed[b, Y]
+            top[k + TURN, j] -= d.position[b, Y, j] * needed[b, X]
+    for i in range(3):
+        for j in range(3):
+            top[k + i, k + j] += (
+                chain.mounts[0, i, j] * by.acceleration[k + j]
+                + chain.mounts[1, i, j] * by.velocity[k + j]
+                + chain.mounts[2, i, j] * by.position[k + j]
+            )
+
+
+@compilable
+def _subtract_load_changes(elements, wrench, at, d, change):
     """Subtract the change of the loads of all elements with the unknowns of joints."""
-    elements = chain.elements
-    for e in range(len(loads.wrench)):
+    for e in range(len(wrench)):
         body, other = elements.acts[e], elements.reacts[e]
         c, axes = elements.carrier[e], elements.axes[e]
-        x, y = loads.wrench[e, X], loads.wrench[e, Y]
-        px, py = point_of(chain, at, e)
+        x, y = wrench[e, X], wrench[e, Y]
+        px, py = point_of(elements, at, e)
         out_x, out_y = px - at.position[body, X], py - at.position[body, Y]
         arm_x, arm_y = px, py
         if c >= 0:
@@ -264,12 +274,11 @@ def _subtract_load_changes(chain, loads, at, d, change):
 
 
 @compilable
-def _inward_changes(chain, at, force, d, change, top):
+def _inward_changes(joints, at, force, d, change, top):
     """Add the derivative of the rows of all joints, and change the parents' forces.
 
     Returns the change of the drive's torque, (m + k,).
     """
-    joints = chain.joints
     n, m = joints.tip.shape
     columns = change.shape[2]
     torque = np.zeros(columns)

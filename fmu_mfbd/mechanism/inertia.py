@@ -8,7 +8,7 @@ from ...master.fmi.compiled import compilable
 from ..dynamics.carrier import Carrier, transport
 from ..dynamics.floating_frame import TURN, X, Y
 from ..dynamics.generalised_alpha import Motion
-from .chain import Chain
+from .chain import Bodies
 from .motion import ChainMotion, Increments, MotionChanges
 
 BQ, GQ, GV = range(3)
@@ -84,143 +84,130 @@ class InertiaChanges(NamedTuple):
 
 
 @compilable
-def block_motion(chain: Chain, now: Motion, given: Carrier) -> Carrier:
-    """Return the motion of the block, `given` unless it has coordinates."""
-    k = chain.block
-    if k < 0:
-        return given
-    a = now.acceleration
-    return Carrier(a[k], a[k + 1], a[k + 2], now.velocity[k + 2])
-
-
-@compilable
-def frame_state(forces: InertiaForces, b: int) -> FrameState:
+def frame_state(frames: np.ndarray, b: int) -> FrameState:
     """Return the state of the frame of body b."""
-    f = forces.frames
-    return FrameState(
-        f[b, 0], f[b, 1], f[b, 2], f[b, 3], f[b, 4], f[b, 5], f[b, 6], f[b, 7], f[b, 8], f[b, 9]
-    )
+    f = frames[b]
+    return FrameState(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9])
 
 
 @compilable
-def inertia_forces(chain: Chain, at: ChainMotion, now: Motion, given: Carrier) -> InertiaForces:
+def inertia_forces(
+    bodies: Bodies, at: ChainMotion, now: Motion, carrier: Carrier, m: int
+) -> InertiaForces:
     """Compute the forces that the motion of all bodies needs.
 
     Eqs. (D1) to (D3) of each body, at the acceleration of its origin in space (Eq. (K14)).
 
     Parameters
     ----------
-    chain : Chain
+    bodies : Bodies
     at : ChainMotion
     now : Motion
-    given : Carrier
-        Motion of a block without coordinates.
+        Of all coordinates, the first m of which are not modal.
+    carrier : Carrier
+        Motion of the block.
+    m : int
 
     Returns
     -------
     InertiaForces
     """
-    bodies = chain.bodies
     n, k = len(bodies.mass), len(bodies.stiffness)
-    carrier = block_motion(chain, now, given)
     out = InertiaForces(np.empty((n, 3)), np.empty(k), np.empty((n, 10)), np.empty((3, k)), carrier)
-    first = len(now.position) - k
-    for b in range(n):
-        _modal_fields(bodies, b, first, now, out.fields)
-        frame = _frame_of(bodies, b, first, at, carrier, now, out.fields)
-        for i in range(10):
-            out.frames[b, i] = frame[i]
-        _needed(bodies, b, first, at, frame, now, out)
+    _put_modal_fields(bodies, now, m, out.fields)
+    _put_frames(bodies, at, now, m, out)
+    _put_forces(bodies, at, now, m, out)
     return out
 
 
 @compilable
-def _modal_fields(bodies, b, first, now, fields):
-    """Write the fields of body b."""
-    begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
-    k = end - begin
-    if k == 0:
-        return
-    table = bodies.coupling[bodies.first_entry[b] : bodies.first_entry[b + 1]].reshape((2 * k, k))
-    by_position = table @ now.position[first + begin : first + end]
-    by_velocity = table[k:] @ now.velocity[first + begin : first + end]
-    for i in range(k):
-        fields[BQ, begin + i] = bodies.b[begin + i] + by_position[i]
-        fields[GQ, begin + i] = bodies.g[begin + i] + by_position[k + i]
-        fields[GV, begin + i] = by_velocity[i]
+def coupling_of(bodies: Bodies, b: int) -> np.ndarray:
+    """Return B and below it G of the j modes of body b, (2 j, j)."""
+    k = bodies.first_mode[b + 1] - bodies.first_mode[b]
+    return bodies.coupling[bodies.first_entry[b] : bodies.first_entry[b + 1]].reshape((2 * k, k))
 
 
 @compilable
-def _frame_of(bodies, b, first, at, carrier, now, fields):
-    """Return the state of the frame of body b."""
-    x, y = transport(
-        carrier, at.position[b, X], at.position[b, Y], at.velocity[b, X], at.velocity[b, Y]
-    )
-    x += at.acceleration[b, X]
-    y += at.acceleration[b, Y]
-    c, s = at.axes[b, 0], at.axes[b, 1]
-    sx, sy, inertia = bodies.S[b, X], bodies.S[b, Y], bodies.I0[b]
-    tx, ty, spin = 0.0, 0.0, 0.0
-    for i in range(bodies.first_mode[b], bodies.first_mode[b + 1]):
-        q, v = now.position[first + i], now.velocity[first + i]
-        sx += bodies.T[X, i] * q
-        sy += bodies.T[Y, i] * q
-        tx += bodies.T[X, i] * v
-        ty += bodies.T[Y, i] * v
-        inertia += (bodies.b[i] + fields[BQ, i]) * q
-        spin += fields[BQ, i] * v
-    return FrameState(
-        c * x + s * y,
-        c * y - s * x,
-        at.acceleration[b, TURN] + carrier.alpha,
-        at.velocity[b, TURN] + carrier.w,
-        sx,
-        sy,
-        tx,
-        ty,
-        inertia,
-        spin,
-    )
+def _put_modal_fields(bodies, now, m, fields):
+    """Write the fields of all modes."""
+    for b in range(len(bodies.mass)):
+        begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
+        k = end - begin
+        if k > 0:
+            table = coupling_of(bodies, b)
+            by_position = table @ now.position[m + begin : m + end]
+            by_velocity = table[k:] @ now.velocity[m + begin : m + end]
+            for i in range(k):
+                fields[BQ, begin + i] = bodies.b[begin + i] + by_position[i]
+                fields[GQ, begin + i] = bodies.g[begin + i] + by_position[k + i]
+                fields[GV, begin + i] = by_velocity[i]
 
 
 @compilable
-def _needed(bodies, b, first, at, f, now, out):
-    """Write the forces that body b needs."""
-    w, w2 = f.w, f.w * f.w
-    # Eqs. (D1), (D2)
-    x = bodies.mass[b] * f.ax - f.alpha * f.sy - w2 * f.sx - 2 * w * f.ty
-    y = bodies.mass[b] * f.ay + f.alpha * f.sx - w2 * f.sy + 2 * w * f.tx
-    moment = f.sx * f.ay - f.sy * f.ax + f.alpha * f.inertia + 2 * w * f.spin
-    for i in range(bodies.first_mode[b], bodies.first_mode[b + 1]):
-        q, v, a = now.position[first + i], now.velocity[first + i], now.acceleration[first + i]
-        x += bodies.T[X, i] * a
-        y += bodies.T[Y, i] * a
-        moment += out.fields[GQ, i] * a
-        # Eq. (D3)
-        out.modal[i] = (
-            bodies.T[X, i] * f.ax
-            + bodies.T[Y, i] * f.ay
-            + f.alpha * out.fields[GQ, i]
-            - w2 * out.fields[BQ, i]
-            + 2 * w * out.fields[GV, i]
-            + a
-            + bodies.damping[i] * v
-            + bodies.stiffness[i] * q
-        )
-    c, s = at.axes[b, 0], at.axes[b, 1]
-    out.wrench[b, X] = c * x - s * y
-    out.wrench[b, Y] = s * x + c * y
-    out.wrench[b, TURN] = moment
+def _put_frames(bodies, at, now, m, out):
+    """Write the states of all frames, in the order of `FrameState`."""
+    carrier = out.carrier
+    for b in range(len(bodies.mass)):
+        x, y = at.position[b, X], at.position[b, Y]
+        ax, ay = transport(carrier, x, y, at.velocity[b, X], at.velocity[b, Y])
+        ax += at.acceleration[b, X]
+        ay += at.acceleration[b, Y]
+        c, s = at.axes[b, 0], at.axes[b, 1]
+        frame = out.frames[b]
+        frame[0] = c * ax + s * ay
+        frame[1] = c * ay - s * ax
+        frame[2] = at.acceleration[b, TURN] + carrier.alpha
+        frame[3] = at.velocity[b, TURN] + carrier.w
+        sx, sy, inertia = bodies.S[b, X], bodies.S[b, Y], bodies.I0[b]
+        tx, ty, spin = 0.0, 0.0, 0.0
+        for i in range(bodies.first_mode[b], bodies.first_mode[b + 1]):
+            q, v = now.position[m + i], now.velocity[m + i]
+            sx += bodies.T[X, i] * q
+            sy += bodies.T[Y, i] * q
+            tx += bodies.T[X, i] * v
+            ty += bodies.T[Y, i] * v
+            inertia += (bodies.b[i] + out.fields[BQ, i]) * q
+            spin += out.fields[BQ, i] * v
+        frame[4], frame[5], frame[6], frame[7], frame[8], frame[9] = sx, sy, tx, ty, inertia, spin
+
+
+@compilable
+def _put_forces(bodies, at, now, m, out):
+    """Write the forces that all bodies need."""
+    for b in range(len(bodies.mass)):
+        f = frame_state(out.frames, b)
+        w, w2 = f.w, f.w * f.w
+        # Eqs. (D1), (D2)
+        x = bodies.mass[b] * f.ax - f.alpha * f.sy - w2 * f.sx - 2 * w * f.ty
+        y = bodies.mass[b] * f.ay + f.alpha * f.sx - w2 * f.sy + 2 * w * f.tx
+        moment = f.sx * f.ay - f.sy * f.ax + f.alpha * f.inertia + 2 * w * f.spin
+        for i in range(bodies.first_mode[b], bodies.first_mode[b + 1]):
+            a = now.acceleration[m + i]
+            gq = out.fields[GQ, i]
+            x += bodies.T[X, i] * a
+            y += bodies.T[Y, i] * a
+            moment += gq * a
+            # Eq. (D3)
+            push = bodies.T[X, i] * f.ax + bodies.T[Y, i] * f.ay + f.alpha * gq
+            push += 2 * w * out.fields[GV, i] - w2 * out.fields[BQ, i]
+            held = bodies.damping[i] * now.velocity[m + i]
+            held += bodies.stiffness[i] * now.position[m + i]
+            out.modal[i] = push + a + held
+        c, s = at.axes[b, 0], at.axes[b, 1]
+        out.wrench[b, X] = c * x - s * y
+        out.wrench[b, Y] = s * x + c * y
+        out.wrench[b, TURN] = moment
 
 
 @compilable
 def inertia_changes(
-    chain: Chain,
+    bodies: Bodies,
     at: ChainMotion,
-    forces: InertiaForces,
     now: Motion,
+    forces: InertiaForces,
     by: Increments,
     d: MotionChanges,
+    block: int,
 ) -> InertiaChanges:
     """Compute the derivative of `inertia_forces`.
 
@@ -228,109 +215,110 @@ def inertia_changes(
 
     Parameters
     ----------
-    chain, at, now
+    bodies, at, now
         As for `inertia_forces`.
     forces : InertiaForces
     by : Increments
     d : MotionChanges
+    block : int
+        First of the block's coordinates, or `chain.NONE`.
 
     Returns
     -------
     InertiaChanges
     """
-    bodies = chain.bodies
-    n, m = chain.joints.tip.shape
+    n, _, m = d.position.shape
     k = len(bodies.stiffness)
     out = InertiaChanges(np.zeros((n, 3, m + k)), np.empty((k, m)), np.empty(k))
-    frame_change = np.empty((4, m))
-    for b in range(n):
-        frame = frame_state(forces, b)
-        _frame_changes(chain, b, at, frame, forces.carrier, by, d, frame_change)
-        _by_joints(bodies, b, at, frame, forces, frame_change, d, out)
-        _by_modes(bodies, b, m, at, frame, forces, now, by, out)
+    frames = np.empty((n, 4, m))
+    _put_frame_changes(at, forces, by, d, block, frames)
+    _put_joint_columns(bodies, at, forces, d, frames, out)
+    _put_modal_columns(bodies, at, now, m, forces, by, out)
     return out
 
 
 @compilable
-def _frame_changes(chain, b, at, f, carrier, by, d, out):
-    """Write the change of ax, ay, alpha and w of the frame of body b with the unknowns of joints.
-
-    Eq. (K14), differentiated, and what the rotation of the axes adds.
-    """
-    c, s = at.axes[b, 0], at.axes[b, 1]
-    w, alpha = carrier.w, carrier.alpha
-    first = chain.block
-    for j in range(out.shape[1]):
-        px, py = d.position[b, X, j], d.position[b, Y, j]
-        # Eq. (K14)
-        x = d.acceleration[b, X, j] - alpha * py - w * w * px - 2 * w * d.velocity[b, Y, j]
-        y = d.acceleration[b, Y, j] + alpha * px - w * w * py + 2 * w * d.velocity[b, X, j]
-        turn, spin = d.acceleration[b, TURN, j], d.velocity[b, TURN, j]
-        if first >= 0 and first <= j < first + 3:
-            if j == first + TURN:
-                dw, da = by.velocity[j], by.acceleration[j]
-                x -= da * at.position[b, Y] + 2 * dw * (w * at.position[b, X] + at.velocity[b, Y])
-                y += da * at.position[b, X] - 2 * dw * (w * at.position[b, Y] - at.velocity[b, X])
-                turn += da
-                spin += dw
-            elif j == first:
-                x += by.acceleration[j]
-            else:
-                y += by.acceleration[j]
-        t = d.position[b, TURN, j]
-        out[X, j] = c * x + s * y + f.ay * t
-        out[Y, j] = c * y - s * x - f.ax * t
-        out[TURN, j] = turn
-        out[3, j] = spin
+def _put_frame_changes(at, forces, by, d, block, out):
+    """Write the change of ax, ay, alpha and w of all frames with the unknowns of joints."""
+    w, alpha = forces.carrier.w, forces.carrier.alpha
+    for b in range(len(out)):
+        c, s = at.axes[b, 0], at.axes[b, 1]
+        x, y, vx, vy = at.position[b, X], at.position[b, Y], at.velocity[b, X], at.velocity[b, Y]
+        ax, ay = forces.frames[b, 0], forces.frames[b, 1]
+        for j in range(out.shape[2]):
+            # Eq. (K14)
+            px, py = d.position[b, X, j], d.position[b, Y, j]
+            dx = d.acceleration[b, X, j] - alpha * py - w * w * px - 2 * w * d.velocity[b, Y, j]
+            dy = d.acceleration[b, Y, j] + alpha * px - w * w * py + 2 * w * d.velocity[b, X, j]
+            turn, spin = d.acceleration[b, TURN, j], d.velocity[b, TURN, j]
+            if block >= 0 and block <= j < block + 3:
+                a, v = by.acceleration[j], by.velocity[j]
+                if j == block + TURN:
+                    dx -= a * y + 2 * v * (w * x + vy)
+                    dy += a * x - 2 * v * (w * y - vx)
+                    turn += a
+                    spin += v
+                elif j == block:
+                    dx += a
+                else:
+                    dy += a
+            t = d.position[b, TURN, j]  # the axes turn
+            out[b, X, j] = c * dx + s * dy + ay * t
+            out[b, Y, j] = c * dy - s * dx - ax * t
+            out[b, TURN, j] = turn
+            out[b, 3, j] = spin
 
 
 @compilable
-def _by_joints(bodies, b, at, f, forces, frame_change, d, out):
-    """Write the change of the forces of body b with the unknowns of joints and block."""
-    c, s = at.axes[b, 0], at.axes[b, 1]
-    mass, w = bodies.mass[b], f.w
-    force_x, force_y = forces.wrench[b, X], forces.wrench[b, Y]
-    for j in range(frame_change.shape[1]):
-        ax, ay = frame_change[X, j], frame_change[Y, j]
-        alpha, dw = frame_change[TURN, j], frame_change[3, j]
-        t = d.position[b, TURN, j]
-        # Eqs. (D1), (D2)
-        x = mass * ax - alpha * f.sy - 2 * dw * (w * f.sx + f.ty)
-        y = mass * ay + alpha * f.sx - 2 * dw * (w * f.sy - f.tx)
-        out.wrench[b, X, j] = c * x - s * y - force_y * t
-        out.wrench[b, Y, j] = s * x + c * y + force_x * t
-        out.wrench[b, TURN, j] = f.sx * ay - f.sy * ax + alpha * f.inertia + 2 * dw * f.spin
-    for i in range(bodies.first_mode[b], bodies.first_mode[b + 1]):
-        x, y, gq = bodies.T[X, i], bodies.T[Y, i], forces.fields[GQ, i]
-        spun = 2 * (forces.fields[GV, i] - w * forces.fields[BQ, i])
-        for j in range(frame_change.shape[1]):
+def _put_joint_columns(bodies, at, forces, d, frames, out):
+    """Write the change of all forces with the unknowns of joints and block."""
+    for b in range(len(frames)):
+        f = frame_state(forces.frames, b)
+        c, s = at.axes[b, 0], at.axes[b, 1]
+        mass, w = bodies.mass[b], f.w
+        force_x, force_y = forces.wrench[b, X], forces.wrench[b, Y]
+        for j in range(frames.shape[2]):
+            ax, ay, alpha, dw = frames[b, 0, j], frames[b, 1, j], frames[b, 2, j], frames[b, 3, j]
+            t = d.position[b, TURN, j]
+            # Eqs. (D1), (D2)
+            x = mass * ax - alpha * f.sy - 2 * dw * (w * f.sx + f.ty)
+            y = mass * ay + alpha * f.sx - 2 * dw * (w * f.sy - f.tx)
+            out.wrench[b, X, j] = c * x - s * y - force_y * t
+            out.wrench[b, Y, j] = s * x + c * y + force_x * t
+            out.wrench[b, TURN, j] = f.sx * ay - f.sy * ax + alpha * f.inertia + 2 * dw * f.spin
+        for i in range(bodies.first_mode[b], bodies.first_mode[b + 1]):
+            x, y, gq = bodies.T[X, i], bodies.T[Y, i], forces.fields[GQ, i]
+            spun = 2 * (forces.fields[GV, i] - w * forces.fields[BQ, i])
+            for j in range(frames.shape[2]):
+                # Eq. (D3)
+                by_frame = x * frames[b, X, j] + y * frames[b, Y, j]
+                out.left[i, j] = by_frame + gq * frames[b, TURN, j] + spun * frames[b, 3, j]
+
+
+@compilable
+def _put_modal_columns(bodies, at, now, m, forces, by, out):
+    """Write the change of the forces of each body with the unknowns of its modes."""
+    for b in range(len(bodies.mass)):
+        begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
+        k = end - begin
+        if k == 0:
+            continue
+        f = frame_state(forces.frames, b)
+        table = coupling_of(bodies, b)
+        bv = table[:k] @ now.velocity[m + begin : m + end]
+        ga = table[k:] @ now.acceleration[m + begin : m + end]
+        c, s = at.axes[b, 0], at.axes[b, 1]
+        for i in range(begin, end):
+            j = m + i
+            c0, c1, c2 = by.acceleration[j], by.velocity[j], by.position[j]
+            x, y, bq = bodies.T[X, i], bodies.T[Y, i], forces.fields[BQ, i]
+            along, across = c0 - c2 * f.w * f.w, c2 * f.alpha + 2 * c1 * f.w
+            # Eqs. (D1), (D2)
+            fx, fy = along * x - across * y, along * y + across * x
+            moment = c2 * (x * f.ay - y * f.ax + 2 * f.alpha * bq + 2 * f.w * bv[i - begin])
+            moment += c0 * forces.fields[GQ, i] + 2 * c1 * f.w * bq - c2 * ga[i - begin]
+            out.wrench[b, X, j] = c * fx - s * fy
+            out.wrench[b, Y, j] = s * fx + c * fy
+            out.wrench[b, TURN, j] = moment
             # Eq. (D3)
-            by_frame = x * frame_change[X, j] + y * frame_change[Y, j]
-            out.left[i, j] = by_frame + gq * frame_change[TURN, j] + spun * frame_change[3, j]
-
-
-@compilable
-def _by_modes(bodies, b, m, at, f, forces, now, by, out):
-    """Write the change of the forces of body b with the unknowns of its modes."""
-    begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
-    k = end - begin
-    if k == 0:
-        return
-    table = bodies.coupling[bodies.first_entry[b] : bodies.first_entry[b + 1]].reshape((2 * k, k))
-    bv = table[:k] @ now.velocity[m + begin : m + end]
-    ga = table[k:] @ now.acceleration[m + begin : m + end]
-    c, s = at.axes[b, 0], at.axes[b, 1]
-    for i in range(begin, end):
-        j = m + i
-        c0, c1, c2 = by.acceleration[j], by.velocity[j], by.position[j]
-        x, y, bq = bodies.T[X, i], bodies.T[Y, i], forces.fields[BQ, i]
-        along, across = c0 - c2 * f.w * f.w, c2 * f.alpha + 2 * c1 * f.w
-        # Eqs. (D1), (D2)
-        fx, fy = along * x - across * y, along * y + across * x
-        moment = c2 * (x * f.ay - y * f.ax + 2 * f.alpha * bq + 2 * f.w * bv[i - begin])
-        moment += c0 * forces.fields[GQ, i] + 2 * c1 * f.w * bq - c2 * ga[i - begin]
-        out.wrench[b, X, j] = c * fx - s * fy
-        out.wrench[b, Y, j] = s * fx + c * fy
-        out.wrench[b, TURN, j] = moment
-        # Eq. (D3)
-        out.diagonal[i] = c0 + c1 * bodies.damping[i] + c2 * bodies.stiffness[i]
+            out.diagonal[i] = c0 + c1 * bodies.damping[i] + c2 * bodies.stiffness[i]

@@ -9,7 +9,7 @@ from ..dynamics.floating_frame import TURN, X, Y
 from ..dynamics.generalised_alpha import Motion
 from ..dynamics.slider_crank import CrankMotion
 from ..geometry.arrays import Vector
-from .chain import Chain
+from .chain import Joints
 
 
 class Increments(NamedTuple):
@@ -62,7 +62,7 @@ class MotionChanges(NamedTuple):
 
 
 @compilable
-def chain_motion(chain: Chain, now: Motion, drive: CrankMotion) -> ChainMotion:
+def chain_motion(joints: Joints, now: Motion, drive: CrankMotion) -> ChainMotion:
     """Compute the motion of all bodies in the block's axes.
 
     Eq. (K41):  p = p_P + R_P s + j u,   p'' = p_P'' + (chi_P'' Z - chi_P'^2) R_P s + j u''
@@ -73,7 +73,7 @@ def chain_motion(chain: Chain, now: Motion, drive: CrankMotion) -> ChainMotion:
 
     Parameters
     ----------
-    chain : Chain
+    joints : Joints
     now : Motion
         Of all coordinates, n = m + k.
     drive : CrankMotion
@@ -82,7 +82,6 @@ def chain_motion(chain: Chain, now: Motion, drive: CrankMotion) -> ChainMotion:
     -------
     ChainMotion
     """
-    joints = chain.joints
     n = len(joints.parent)
     at = ChainMotion(
         np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.zeros((n, 3)), np.zeros((n, 3))
@@ -112,16 +111,15 @@ def chain_motion(chain: Chain, now: Motion, drive: CrankMotion) -> ChainMotion:
                 velocity[b, way] += joints.sign[b] * now.velocity[first + way]
                 acceleration[b, way] += joints.sign[b] * now.acceleration[first + way]
         if joints.rod_length[b] > 0.0:
-            _swing(chain, b, now, at)
+            _swing(joints, b, now, at)
         else:
-            _turn(chain, b, now, drive, at)
+            _turn(joints, b, now, drive, at)
     return at
 
 
 @compilable
-def _turn(chain, b, now, drive, at):
+def _turn(joints, b, now, drive, at):
     """Write the angle of body b, driven or a coordinate."""
-    joints = chain.joints
     angle = joints.driven[b] * drive.angle
     at.velocity[b, TURN] = joints.driven[b] * drive.speed
     at.acceleration[b, TURN] = joints.driven[b] * drive.acceleration
@@ -134,9 +132,8 @@ def _turn(chain, b, now, drive, at):
 
 
 @compilable
-def _swing(chain, b, now, at):
+def _swing(joints, b, now, at):
     """Write the angle of rod b, which follows from x of its tip."""
-    joints = chain.joints
     length = joints.rod_length[b]
     x, v, a = joints.offset[b], 0.0, 0.0
     for j in range(joints.tip.shape[1]):
@@ -155,14 +152,14 @@ def _swing(chain, b, now, at):
 
 
 @compilable
-def motion_changes(chain: Chain, at: ChainMotion, by: Increments) -> MotionChanges:
+def motion_changes(joints: Joints, at: ChainMotion, by: Increments) -> MotionChanges:
     """Compute the derivative of `chain_motion` by the unknowns of joints.
 
     The motion is that in the block's axes, in which the block's own coordinates change nothing.
 
     Parameters
     ----------
-    chain : Chain
+    joints : Joints
     at : ChainMotion
     by : Increments
 
@@ -170,7 +167,6 @@ def motion_changes(chain: Chain, at: ChainMotion, by: Increments) -> MotionChang
     -------
     MotionChanges
     """
-    joints = chain.joints
     n, m = joints.tip.shape
     d = MotionChanges(np.zeros((n, 3, m)), np.zeros((n, 3, m)), np.zeros((n, 3, m)))
     for b in range(n):
@@ -206,7 +202,7 @@ def motion_changes(chain: Chain, at: ChainMotion, by: Increments) -> MotionChang
                 d.acceleration[b, way, j] += joints.sign[b] * by.acceleration[j]
         j = joints.angle[b]
         if joints.rod_length[b] > 0.0:
-            _swing_changes(chain, b, at, by, d)
+            _swing_changes(joints, b, at, by, d)
         elif j >= 0:
             d.position[b, TURN, j] = by.position[j]
             d.velocity[b, TURN, j] = by.velocity[j]
@@ -215,9 +211,8 @@ def motion_changes(chain: Chain, at: ChainMotion, by: Increments) -> MotionChang
 
 
 @compilable
-def _swing_changes(chain, b, at, by, d):
+def _swing_changes(joints, b, at, by, d):
     """Write the change of the angle of rod b."""
-    joints = chain.joints
     along, aside = joints.rod_length[b] * at.axes[b, 0], joints.rod_length[b] * at.axes[b, 1]
     w, alpha = at.velocity[b, TURN], at.acceleration[b, TURN]
     for j in range(joints.tip.shape[1]):

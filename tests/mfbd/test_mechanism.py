@@ -15,7 +15,7 @@ from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import Crankshaft, PinBodies
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import PinResultants
-from piston_cosim.fmu_mfbd.mechanism.chain import Loads
+from piston_cosim.fmu_mfbd.mechanism.chain import Element, Link, Loads, chain_of
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces, chain_tangent, solve_chain
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
 from piston_cosim.master.fmi.block import row_of
@@ -32,6 +32,7 @@ from .chains import (
     UNBALANCE,
     engine,
     flexible,
+    rigid,
 )
 from .test_crank_films import derivative
 
@@ -61,7 +62,7 @@ def loads(built, now, seed=2):
     chain = built.chain
     wrench = rng.standard_normal((len(chain.elements.acts), 4)) * [9e3, 9e3, 2.0, 2.0]
     for gas, piston in zip(built.gas, built.pistons):
-        x = chain_motion(chain, now, CRANK).position[piston, 0] - MECHANISM.offset
+        x = chain_motion(chain.joints, now, CRANK).position[piston, 0] - MECHANISM.offset
         wrench[gas] = 0.0, -GAS, GAS * x, 0.0
     return Loads(wrench, 100 * rng.standard_normal(len(chain.bodies.stiffness)))
 
@@ -227,7 +228,7 @@ def test_the_tangent_is_the_derivative(built):
 
     def residual(change):
         moved = Motion(*(old + more * change for old, more in zip(now, by)))
-        later = chain_motion(chain, moved, CRANK)
+        later = chain_motion(chain.joints, moved, CRANK)
         forces = chain_forces(chain, carried_on(chain, given, at, later), moved, CRANK, moving)
         return forces.residual
 
@@ -257,7 +258,7 @@ def test_forces_and_motion_agree_in_virtual_work(built):
     now = motion(built)
     given = loads(built, now)
     none = Loads(0 * given.wrench, 0 * given.modal)
-    at = chain_motion(chain, now, CRANK)
+    at = chain_motion(chain.joints, now, CRANK)
     table = chain.elements
     power = [given.modal @ now.velocity[chain.joints.tip.shape[1] :]]
     for e, wrench in enumerate(given.wrench):
@@ -304,7 +305,7 @@ def test_momentum_and_energy(built):
             CRANK.speed + t * CRANK.acceleration,
             CRANK.acceleration,
         )
-        at = chain_motion(chain, Motion(q, v, now.acceleration), drive)
+        at = chain_motion(chain.joints, Motion(q, v, now.acceleration), drive)
         out = np.zeros(4)
         for b, mass in enumerate(bodies.mass):
             modes = slice(*bodies.first_mode[b : b + 2])
@@ -331,6 +332,19 @@ def test_momentum_and_energy(built):
     held = v @ (bodies.damping * v + bodies.stiffness * q)
     rows = [*(own.residual * now.velocity), own.torque * CRANK.speed, -held]
     assert rates[3] == pytest.approx(sum(rows), abs=1e-9 * np.abs(rows).sum())
+
+
+def test_a_chain_that_cannot_be_lists_all_faults():
+    body = rigid(1.0)
+    links = [Link(body, 0), Link(body, 0, play=1, rod_length=0.2)]
+    with pytest.raises(ValueError) as raised:
+        chain_of(links, [Element(2)], coordinates=2)
+    assert str(raised.value).splitlines() == [
+        "link 0: expected a parent from -1 to -1, got 0",
+        "link 1: expected play from -1 to 0, got 1",
+        "link 1: expected a length and a tip of a rod, which has no angle",
+        "element 0: expected bodies below 2, got (2, -1, -1, -1)",
+    ]
 
 
 @pytest.mark.slow
