@@ -50,11 +50,11 @@ def chain_forces(
 
     Eq. (D61):  r_j = sum_b J_bj . (F_b - Q_b),   r_k = F_k - Q_k
                 F the force that a body or mode needs, Q its load
-                J_bj = dp_b/dq_j by Eqs. (K41) and (K42)
-    Eq. (D62):  Q = (f, M + s x f)      on the body of an element
-                Q = (-f, M_R - l x f)      on that of its reaction
-                s, l from the origins of both bodies to marker and point of the element
-    Eq. (D63):  M_B u'' + D_B u' + K_B u + sum_b (F_b, p_b x F_b + M_b) = (0, 0, torque)
+                J_bj = dX_b/dq_j by Eqs. (K41) and (K42)
+    Eq. (D62):  Q = (F_e, M_e + d x F_e)      on the body of an element
+                Q = (-F_e, M_R - l x F_e)      on that of its reaction
+                d, l from the origins of both bodies to marker and point of the element
+    Eq. (D63):  M_B u'' + D_B u' + K_B u + sum_b (F_b, X_b x F_b + M_b) = (0, 0, torque)
                 u of the block on its mounts
 
     Forces between the bodies and the block cancel in Eq. (D63). The products with J are a sweep

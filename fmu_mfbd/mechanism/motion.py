@@ -65,8 +65,8 @@ class MotionChanges(NamedTuple):
 def chain_motion(joints: Joints, now: Motion, drive: CrankMotion) -> ChainMotion:
     """Compute the motion of all bodies in the block's axes.
 
-    Eq. (K41):  p = p_P + R_P s + j u,   p'' = p_P'' + (chi_P'' Z - chi_P'^2) R_P s + j u''
-                s the joint in the axes R_P of the parent P, u the play and j its sign
+    Eq. (K41):  X = X_P + R_P d + j u,   X'' = X_P'' + (chi_P'' Z - chi_P'^2) R_P d + j u''
+                d the joint in the axes R_P of the parent P, u the play and j its sign
     Eq. (K42):  sin chi = (x - x_T)/L,   chi' = (x' - x_T')/(L cos chi)
                 chi'' = (x'' - x_T'' + L sin chi chi'^2)/(L cos chi)
                 of a rod with its origin at x and its tip at x_T, linear in the coordinates
