@@ -52,7 +52,7 @@ from .dynamics.pin_shells import EYE
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.response import StepEnd
 from .dynamics.slider_crank import CrankMotion
-from .dynamics.state import PistonState, motion_of, step_coefficients
+from .dynamics.state import PistonState, problem_of, step_coefficients
 from .dynamics.step import (
     FIELDS,
     GAS,
@@ -75,7 +75,7 @@ from .dynamics.step import (
     set_damping,
     warning_of,
 )
-from .dynamics.system import RingForce, StepProblem
+from .dynamics.system import RingForce
 from .geometry.film import Limits, NodalForces
 from .geometry.pin import PinForces
 from .geometry.surfaces import are_films, are_pins
@@ -444,7 +444,7 @@ def solve(real, integer, memory, c, before, crank, time):
     inputs = inputs_of(real, given.places)
     remark(faults, warning_of(model, inputs))
     others = others_at(model, inputs, crank)
-    step = StepProblem(c, motion_of(before), before.auxiliary, crank, others)
+    step = problem_of(c, before, crank, others)
     instant = instant_of(model, step, inputs)
     now = instant.now
     if now.evaluations == 0:

@@ -11,6 +11,7 @@ modal_damping      springs and dampers of modes (I)
 floating_frame     a flexible body in its frame
 pin_friction       between piston and pin
 generalised_alpha  time integration
+bdf2               that of a pin on films, and of the modes that hold it
 first_steps        how it begins
 impact             what it may remember of a step that stopped the piston
 energy             what a step gave the bodies

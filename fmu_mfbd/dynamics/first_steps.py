@@ -48,4 +48,5 @@ def first_steps(step: float) -> Coefficients:
         to_auxiliary=1.0,
         to_velocity=step,
         to_position=step**2,
+        memory=0.0,
     )

@@ -26,6 +26,8 @@ class Coefficients(NamedTuple):
     to_auxiliary, to_velocity, to_position : float
         What an end acceleration of 1 adds to the end's auxiliary acceleration [-], velocity [s] and
         position [s2].
+    memory : float
+        Time for which BDF2 continues the last step, Eq. (N9) [s]; 0 for backward Euler.
     """
 
     step: float
@@ -36,6 +38,7 @@ class Coefficients(NamedTuple):
     to_auxiliary: float
     to_velocity: float
     to_position: float
+    memory: float
 
 
 class Motion(NamedTuple):
@@ -67,7 +70,7 @@ class Prediction(NamedTuple):
 
 
 @compilable
-def coefficients(step: float, spectral_radius: float) -> Coefficients:
+def coefficients(step: float, spectral_radius: float, memory: float = 0.0) -> Coefficients:
     """Return the coefficients of the second-order method with a given numerical damping.
 
     Eq. (N1):  alpha_m = (2 rho - 1)/(rho + 1),  alpha_f = rho/(rho + 1)
@@ -79,6 +82,8 @@ def coefficients(step: float, spectral_radius: float) -> Coefficients:
         Step [s], > 0; 0 leaves position and velocity as they are.
     spectral_radius : float
         rho at infinite frequency [-], 0 (annihilates it in one step) to 1 (keeps all energy).
+    memory : float
+        Of the coordinates that follow BDF2 (`bdf2.memory_of`) [s].
 
     Returns
     -------
@@ -104,6 +109,7 @@ def coefficients(step: float, spectral_radius: float) -> Coefficients:
         to_auxiliary=to_auxiliary,
         to_velocity=to_auxiliary * step * gamma,
         to_position=to_auxiliary * step**2 * beta,
+        memory=memory,
     )
 
 

@@ -120,7 +120,7 @@ def end_of_step(
     forces : NodalForces
         On all film grids at its end, stacked [N].
     """
-    c, before, auxiliary, crank, others = step
+    c, before, auxiliary, _, crank, others = step
     mechanism = system.mechanism
     n = RIGID + len(system.piston.stiffness)
     predicted = predict(c, before, auxiliary)

@@ -25,7 +25,7 @@ from .pin_instant import PinInstant
 from .pin_response import PinResponse
 from .piston_motion import LATERAL, ROCKING
 from .slider_crank import CrankMotion
-from .state import PistonState, motion_of, step_coefficients
+from .state import PistonState, problem_of, step_coefficients
 from .step import (
     START_PASSES,
     BodyModel,
@@ -275,7 +275,7 @@ class PistonInBore:
         self._reject_unused(inputs)
         given = stacked(inputs)
         others = others_at(self.model, given, crank)
-        step = StepProblem(c, motion_of(before), before.auxiliary, crank, others)
+        step = problem_of(c, before, crank, others)
         instant = self._instant(step, given, inputs)
         now = instant.now
         if not now.evaluations:

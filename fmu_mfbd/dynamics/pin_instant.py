@@ -12,6 +12,7 @@ from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces, diameters, yielded
 from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import pin_surface_at, pins_of
+from .bdf2 import Reach, auxiliary_after, limit_plays, predicted_of, reach_of
 from .block_force import BlockForce, all_on_block
 from .carrier import FIXED
 from .elimination import LUFactors, factorise, substitute
@@ -23,7 +24,7 @@ from .floating_pin import (
     imbalance,
     on_rod,
 )
-from .generalised_alpha import Coefficients, Motion, Prediction, predict
+from .generalised_alpha import Motion, Prediction
 from .impact import limit_memory
 from .instant import Instant, load_of, rigid_piston, with_gas
 from .pin_coordinates import (
@@ -31,7 +32,6 @@ from .pin_coordinates import (
     Layout,
     _of_skirt,
     eye_motion,
-    is_held,
     layout,
     lifted,
     of_shapes,
@@ -152,45 +152,6 @@ class PinInstant(NamedTuple):
 
 
 # ---- a step
-
-
-class Reach(NamedTuple):
-    """Effect of a unit end acceleration on velocity [s] and position [s2] at the end of a step.
-
-    The shape is (7 + k + 2 n,).
-    """
-
-    velocity: np.ndarray
-    position: np.ndarray
-
-
-@compilable
-def reach_of(c: Coefficients, n: int) -> Reach:
-    """Return the reach of n coordinates in a step (Eq. (N9))."""
-    out = Reach(np.empty(n), np.empty(n))
-    for k in range(n):
-        # Eq. (N9)
-        out.velocity[k] = c.step if is_held(k) else c.to_velocity
-        out.position[k] = c.step**2 if is_held(k) else c.to_position
-    return out
-
-
-@compilable
-def predicted_of(c: Coefficients, before: Motion, auxiliary: np.ndarray) -> Prediction:
-    """Return the end of a step without accelerations.
-
-    Eq. (N9):  x_A, rocking angle and phi by Eq. (N2), a, e, b, m, modes and shapes by Eq. (N8)
-
-    Films hold the pin within its play, springs the modes that bend away from it: what inertia
-    does there is over within microseconds, and a method that remembers it rings.
-    """
-    found = predict(c, before, auxiliary)
-    for k in range(len(found.position)):
-        if is_held(k):
-            # Eq. (N9)
-            found.position[k] = before.position[k] + c.step * before.velocity[k]
-            found.velocity[k] = before.velocity[k]
-    return found
 
 
 @compilable
@@ -320,15 +281,6 @@ def pin_scalars(
 
 
 @compilable
-def _auxiliary_after(c, predicted, end):
-    """Return the auxiliary acceleration at the end of a step, none of what is held (Eq. (N9))."""
-    out = predicted.auxiliary
-    for k in range(len(out)):
-        out[k] = 0.0 if is_held(k) else out[k] + c.to_auxiliary * end.acceleration[k]
-    return out
-
-
-@compilable
 def _axial_motion(mechanism, first, end, crank):
     """Return the motion of A along the bore."""
     eye = eye_motion(first, end)
@@ -377,7 +329,7 @@ def end_of_pin_step(
     -------
     PinInstant
     """
-    c, before, auxiliary, crank, others = step
+    c, before, auxiliary, mean_velocity, crank, others = step
     system = of.system
     bodies = of.bodies
     mechanism = system.mechanism
@@ -390,13 +342,14 @@ def end_of_pin_step(
     on_modes = total(skirt.piston, by.on_piston)
     modal = with_gas(system, on_modes, others.gas)
     load = load_of(system, skirt, others, modal)
-    predicted = predicted_of(c, before, auxiliary)
+    predicted = predicted_of(c, before, auxiliary, mean_velocity)
     reach = reach_of(c, len(before.position))
     found = solved(of, predicted, before.acceleration, reach, load, crank, forces, by)
     end = found.end
-    carried = _auxiliary_after(c, predicted, end)
+    carried = auxiliary_after(c, predicted, before, end)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
     limit_memory(rigid_piston(system, 0.0), before, kept, carried, c.step)
+    limit_plays(at, before, kept, carried, c.step)
 
     axial = _axial_motion(mechanism, at, end, crank)
     on_skirt = skirt_films(

@@ -7,13 +7,13 @@ import numpy as np
 from ...master.fmi.compiled import compiled
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
+from .bdf2 import reach_of
 from .carrier import FIXED
 from .elimination import substitute
 from .floating_pin import pushed
 from .generalised_alpha import Motion
 from .pin_coordinates import _of_skirt, eye_motion, layout, lifted
 from .pin_films import PinSystem, films_at, on_modes_of, pin_changes, total
-from .pin_instant import reach_of
 from .piston_motion import LATERAL, ROCKING, Load
 from .response import Response, StepEnd, load_change
 from .skirt_films import Change, forces_by_film, skirt_changes, together

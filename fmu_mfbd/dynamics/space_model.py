@@ -139,7 +139,7 @@ class PistonInSpace(PistonInBore):
 
     def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> PinInstant:
         """Return everything at the end of a step, as `instant.end_of_step`."""
-        c, before, auxiliary, crank, others = step
+        c, before, auxiliary, _, crank, others = step
         system = self.system
         upright = height(system.mechanism, 0.0, crank.angle)
         guided = AxialMotion(upright.height, upright.lever * crank.speed)

@@ -6,14 +6,16 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Vector
+from .bdf2 import memory_of
 from .first_steps import FIRST_STEPS, first_steps
 from .generalised_alpha import Coefficients, Motion, coefficients
 from .instant import Instant
 from .slider_crank import CrankMotion
+from .system import OtherForces, StepProblem
 
 
 class PistonState(NamedTuple):
-    """Everything that a step starts from; n = 2 + piston modes + block modes.
+    """Everything that a step starts from; n coordinates.
 
     Parameters
     ----------
@@ -26,7 +28,12 @@ class PistonState(NamedTuple):
         another.
     position, velocity, acceleration, auxiliary : ndarray, shape (n,)
         [x_A [m], rocking angle [rad], piston then block modal coordinates [kg^1/2 m]], derivatives
-        in time, and the time integrator's auxiliary acceleration.
+        in time, and the time integrator's auxiliary acceleration; for BDF2 the mean acceleration
+        over the last step.
+    mean_velocity : ndarray, shape (n,)
+        Over the last step; 0 without one.
+    step : float
+        Length of the last step [s]; 0 without one.
     kinetic : float
         Energy of the motion across the bore, the rod's with it [J].
     other_forces : ndarray, shape (n,)
@@ -48,6 +55,8 @@ class PistonState(NamedTuple):
     velocity: Vector
     acceleration: Vector
     auxiliary: Vector
+    mean_velocity: Vector
+    step: float
     kinetic: float
     other_forces: Vector
     steps: int
@@ -57,10 +66,21 @@ class PistonState(NamedTuple):
 
 @compilable
 def state_at(
-    now: Instant, crank: CrankMotion, jerk: float, time: float, steps: int, opening: float
+    before: PistonState,
+    step: float,
+    now: Instant,
+    crank: CrankMotion,
+    jerk: float,
+    time: float,
+    steps: int,
+    opening: float,
 ) -> PistonState:
-    """Return the state at an instant; the first steps remember no auxiliary acceleration."""
+    """Return the state a step [s] after another; the first steps remember no acceleration."""
     auxiliary = np.zeros(len(now.auxiliary)) if steps < FIRST_STEPS else now.auxiliary
+    mean_velocity = np.zeros(len(auxiliary))
+    if step > 0.0:
+        for k in range(len(mean_velocity)):
+            mean_velocity[k] = (now.end.position[k] - before.position[k]) / step
     return PistonState(
         time,
         crank.angle,
@@ -71,6 +91,8 @@ def state_at(
         now.kept.velocity,
         now.kept.acceleration,
         auxiliary,
+        mean_velocity,
+        step,
         now.ledger.accounted,
         now.next_other_forces,
         steps,
@@ -80,9 +102,12 @@ def state_at(
 
 
 @compilable
-def motion_of(state: PistonState) -> Motion:
-    """Return the motion of all coordinates."""
-    return Motion(state.position, state.velocity, state.acceleration)
+def problem_of(
+    c: Coefficients, before: PistonState, crank: CrankMotion, others: OtherForces
+) -> StepProblem:
+    """Return the problem of a step from a state."""
+    motion = Motion(before.position, before.velocity, before.acceleration)
+    return StepProblem(c, motion, before.auxiliary, before.mean_velocity, crank, others)
 
 
 @compilable
@@ -90,4 +115,4 @@ def step_coefficients(state: PistonState, step: float, spectral_radius: float) -
     """Return the coefficients of a step [s] that starts from a state."""
     if state.steps < FIRST_STEPS:
         return first_steps(step)
-    return coefficients(step, spectral_radius)
+    return coefficients(step, spectral_radius, memory_of(step, state.step))

@@ -168,6 +168,8 @@ def at_rest(crank: CrankMotion, position: np.ndarray, velocity: np.ndarray) -> P
         velocity,
         none,
         none,
+        none,
+        0.0,
         0.0,
         none,
         0,
@@ -311,7 +313,7 @@ def result_of(
     )
     for k in range(len(now.films.film_thickness)):
         now.films.film_thickness[k] += opening
-    state = state_at(now, crank, jerk, time, steps, opening)
+    state = state_at(before, step.coefficients.step, now, crank, jerk, time, steps, opening)
     energy = EnergyAccount(now.ledger.axial_work, now.ledger.accounted, 0.0)
     warm_work = 0.0
     if steps > 0:

@@ -79,6 +79,8 @@ class StepProblem(NamedTuple):
         At the start of the step.
     auxiliary : ndarray, shape (n,)
         Auxiliary acceleration at the start of the step.
+    mean_velocity : ndarray, shape (n,)
+        Over the last step.
     crank : CrankMotion
         At its end.
     others : OtherForces
@@ -88,5 +90,6 @@ class StepProblem(NamedTuple):
     coefficients: Coefficients
     before: Motion
     auxiliary: Vector
+    mean_velocity: Vector
     crank: CrankMotion
     others: OtherForces

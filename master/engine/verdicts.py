@@ -358,14 +358,14 @@ def _of_side_force(results, name):
 
 
 def _of_play(results, name):
-    """Yield the check of the play of a floating pin, which backward Euler integrates."""
+    """Yield the check of the play of a floating pin, which BDF2 integrates."""
     ports = [f"{name}.{play}_{axis}" for play in PLAYS for axis in "xy"]
-    if not {*ports} <= {*results.ports} or len(results.time) < 3:
+    if not {*ports} <= {*results.ports} or len(results.time) < 4:
         return
     error = size = 0.0
     for port in ports:
         play = results.series(port).values
-        error = max(error, MEMORY * float(np.abs(euler_error(results.time, play)).max()))
+        error = max(error, MEMORY * float(np.abs(bdf2_error(results.time, play)).max()))
         size = max(size, float(np.ptp(play)))
     if size > 0.0:
         yield Verdict(
@@ -377,16 +377,18 @@ def _of_play(results, name):
         )
 
 
-def euler_error(time: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return the local error of backward Euler from the third value on.
+def bdf2_error(time: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return the local error of variable-step BDF2 from the fourth value on.
 
-    Eq. (X26):  e_n = H_n^2/2 x'' = H_n^2 (v_n - v_{n-1})/(H_n + H_{n-1}),   v_n H_n = x_n - x_{n-1}
+    Eq. (X26):  e_n = H_n^2 (H_n + H_{n-1})^2 x'''/(6 (2 H_n + H_{n-1})),   x'''/6 by differences
 
     Parameters
     ----------
     time, values : ndarray, shape (n,)
         [s], and x.
     """
-    step = np.diff(time)
-    rate = np.diff(values) / step
-    return step[1:] ** 2 * np.diff(rate) / (step[1:] + step[:-1])  # Eq. (X26)
+    slope = np.diff(values) / np.diff(time)
+    curvature = np.diff(slope) / (time[2:] - time[:-2])
+    third = np.diff(curvature) / (time[3:] - time[:-3])
+    step, both = time[3:] - time[2:-1], time[3:] - time[1:-2]
+    return (step * both) ** 2 * third / (step + both)  # Eq. (X26)

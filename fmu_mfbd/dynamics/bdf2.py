@@ -1,0 +1,129 @@
+"""BDF2 of variable steps: time integration of coordinates that films or springs hold.
+
+Films hold the pin within its play, springs the modes that bend away from it. What inertia does
+there is over within microseconds, far below a step. BDF2 follows such a load with order 2 and
+without ringing. A stop within a step is bounded as one of the piston is (Eq. (N7)).
+
+References
+----------
+[Hairer1993] E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd
+ed., Springer 1993, section III.5 (variable-step BDF and their stability).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable
+from ..geometry.arrays import Vector
+from .generalised_alpha import Coefficients, Motion, Prediction, predict
+from .impact import Inertia, limit_memory
+from .pin_coordinates import PIN, Layout, is_held
+
+LARGEST_RATIO = 2.0
+"""Largest ratio of two steps that counts: BDF2 is zero-stable below 1 + sqrt(2) [Hairer1993]."""
+
+UNIT = Inertia(1.0, 0.0, 1.0)
+"""Inertia of a play: both directions count alike in Eq. (N6)."""
+
+
+@compilable
+def memory_of(step: float, last: float) -> float:
+    """Return the time for which BDF2 continues the last step [s].
+
+    Eq. (N11):  tau = H_n w^2/(1 + 2 w),   w = min(h/H_n, 2)
+
+    Steps that grow by more than a factor of 2 are of first order.
+
+    Parameters
+    ----------
+    step, last : float
+        h and the step before, H_n [s]; 0 without one.
+    """
+    if last == 0.0:
+        return 0.0
+    ratio = min(step / last, LARGEST_RATIO)
+    return last * ratio**2 / (1 + 2 * ratio)  # Eq. (N11)
+
+
+class Reach(NamedTuple):
+    """Effect of a unit end acceleration on velocity [s] and position [s2] at the end of a step.
+
+    The shape is (n,).
+    """
+
+    velocity: Vector
+    position: Vector
+
+
+@compilable
+def reach_of(c: Coefficients, n: int) -> Reach:
+    """Return the reach of n coordinates in a step (Eqs. (N2), (N9))."""
+    out = Reach(np.empty(n), np.empty(n))
+    own = c.step - c.memory
+    for k in range(n):
+        out.velocity[k] = own if is_held(k) else c.to_velocity
+        out.position[k] = own**2 if is_held(k) else c.to_position
+    return out
+
+
+@compilable
+def predicted_of(
+    c: Coefficients, before: Motion, auxiliary: np.ndarray, mean_velocity: np.ndarray
+) -> Prediction:
+    """Return the end of a step without accelerations.
+
+    Eq. (N9):  q'_1 = q'_0 + tau a_0 + (h - tau) q''_1,   a_1 = (q'_1 - q'_0)/h
+               q_1  = q_0 + tau u_0 + (h - tau) q'_1,     u_1 = (q_1 - q_0)/h
+
+    This is BDF2 as a step of backward Euler (tau = 0) of length h - tau. It holds for the
+    coordinates of `is_held`, Eq. (N2) for the others.
+
+    Parameters
+    ----------
+    c : Coefficients
+        h and its memory tau.
+    before : Motion
+        q_0, q'_0 and q''_0, shape (n,).
+    auxiliary, mean_velocity : ndarray, shape (n,)
+        a_0 and u_0 [m/s2], [m/s].
+    """
+    end = predict(c, before, auxiliary)
+    for k in range(len(end.position)):
+        if is_held(k):
+            # Eq. (N9)
+            end.velocity[k] = before.velocity[k] + c.memory * auxiliary[k]
+            passed = c.memory * mean_velocity[k]
+            end.position[k] = before.position[k] + passed + (c.step - c.memory) * end.velocity[k]
+    return end
+
+
+@compilable
+def auxiliary_after(
+    c: Coefficients, predicted: Prediction, before: Motion, end: Motion
+) -> np.ndarray:
+    """Return a_1 of Eqs. (N2) and (N9), shape (n,)."""
+    out = predicted.auxiliary
+    for k in range(len(out)):
+        if not is_held(k):
+            out[k] += c.to_auxiliary * end.acceleration[k]
+        elif c.step > 0.0:
+            out[k] = (end.velocity[k] - before.velocity[k]) / c.step
+    return out
+
+
+@compilable
+def limit_plays(
+    first: Layout, before: Motion, end: Motion, auxiliary: np.ndarray, step: float
+) -> None:
+    """Bound what each play passes on if a film stopped it within the step, Eq. (N7)."""
+    for play in (PIN.boss_x, PIN.eye_x, first.big_end, first.main_bearing):
+        if play >= 0:
+            pair = slice(play, play + 2)
+            limit_memory(
+                UNIT,
+                Motion(before.position[pair], before.velocity[pair], before.acceleration[pair]),
+                Motion(end.position[pair], end.velocity[pair], end.acceleration[pair]),
+                auxiliary[pair],
+                step,
+            )
