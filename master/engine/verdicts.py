@@ -38,9 +38,9 @@ OPENING = 3
 """Minimum width of an opening in cells, for which its edges are accurate to half of the width."""
 PLAY_AMBER, PLAY_RED = 0.02, 0.1
 """Estimated error in time of the play of a pin over its range, as for `TRUNCATION_AMBER`."""
-MEMORY = 3
-"""Steps whose local errors add up in a film: the largest error of `floating_pin` at 1 deg is 1.3 to
-2.8 of the largest local one (docs/measurements/floating_pin.md)."""
+MEMORY = 4
+"""Steps whose local errors add up in a film: the largest error of `floating_pin` at 1 deg is 0.8 to
+3.7 of the largest local one (docs/measurements/floating_pin.md)."""
 RIGID = (
     " A rigid skirt does not yield, so it overstates the pressure. Make it flexible: "
     "`piston-cosim new --piston slipper`, or a mesh and modes in build.piston."
