@@ -145,7 +145,8 @@ def update(derivative: Any, step: Any, answer: Answer, rules: Any, layout: Layou
         pairs.oldest,
         pairs.is_whole,
     )
-    scale = layout.nominal[unknowns]
+    # an element and its image count twice, so that norms are those of the whole field
+    scale = layout.nominal[unknowns] / np.sqrt(1.0 + (images != unknowns))
     right = (at.outputs - at.used)[unknowns] / scale
     products = np.empty((max(rules.largest_krylov_space, 1), size))
     linear = NewtonSystem(derivative, step, unknowns, images, scale, np.zeros(size), products)
