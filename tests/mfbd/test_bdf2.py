@@ -146,7 +146,7 @@ def returned(rng, pushed):
                 held = rate * np.interp(toward, SHARES, SQUEEZE) * way / step
                 return end - x - c2 * (push - held)
 
-            return brentq(lack, -0.9999 * clearance, 0.9999 * clearance, xtol=1e-18, rtol=1e-13)
+            return brentq(lack, -0.9999 * clearance, 0.9999 * clearance, xtol=1e-18)
 
         play.advance(coefficients(step, 0.6, memory_of(step, play.last)), solve)
         velocity = play.motion.velocity[PIN.boss_x]
