@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...fmi.quantities import short
 from ..interface import Evaluation, Interface
 from ..wiring import Wire, name_of
 from .solution import NotConverged, Solution, Tried, check_finite
@@ -163,7 +162,8 @@ def _check_growth(
         growth = memory.last / memory.base
         got = f"the residual grew {growth:.2g}-fold in {memory.rises} macro steps"
     elif swings:
-        size = short(float(abs(at.residual[element])), wire.unit)
+        unit = "" if wire.unit == "1" else f" {wire.unit}"
+        size = f"{abs(at.residual[element]):.3g}{unit}"
         got = f"an undamped oscillation changes the output by {size} in each macro step"
     elif factor:
         got = f"the residual grew {factor:.4g}-fold in each of {RISES} macro steps"
