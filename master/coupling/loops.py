@@ -161,7 +161,7 @@ def _unstable(matrix: np.ndarray, own: Part) -> str:
     A change returns multiplied by the eigenvalues of J. A positive one of 1 keeps a value.
     """
     values, vectors = np.linalg.eig(matrix)
-    away = np.where(values.real > 0.0, np.abs(values) - NEAR, np.abs(values) + NEAR)
+    away = np.where(np.real(values) > 0.0, np.abs(values) - NEAR, np.abs(values) + NEAR)
     k = int(np.argmax(away))
     if not away[k] >= 1.0:
         return ""

@@ -26,8 +26,8 @@ def command(file: Path, /, *, output: OutputFile):
     if output.suffix != ".csv":
         raise BadInput(f"--output: expected .csv, got {str(output)!r}")
     columns = {port: results.series(port).values for port in (*results.ports, *results.texts)}
-    with output.open("w", newline="", encoding="utf-8", errors="surrogateescape") as file:
-        rows = csv.writer(file, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
+    with output.open("w", newline="", encoding="utf-8", errors="surrogateescape") as target:
+        rows = csv.writer(target, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
         rows.writerow(["time", *columns])
         rows.writerows(zip(*(values.tolist() for values in (results.time, *columns.values()))))
     tell(f"scalars  {output}")
