@@ -223,7 +223,8 @@ def stack_bodies(bodies: Sequence[FlexibleBody]) -> Bodies:
         return np.array([getattr(body, name) for body in bodies])
 
     def stacked(name):
-        return np.concatenate([getattr(body, name) for body in bodies], axis=-1)
+        parts = [getattr(body, name) for body in bodies]
+        return np.ascontiguousarray(np.concatenate(parts, axis=-1))
 
     return Bodies(
         *map(each, ("mass", "I0", "S")),

@@ -41,11 +41,12 @@ def solve_dense(matrix, right):
 
 def loop_of(kernel):
     """Return a compiled loop that calls a kernel."""
+    inner = kernel.dispatcher
 
     @njit(error_model="numpy")
     def loop(calls, arguments):
         for _ in range(calls):
-            kernel(*arguments)
+            inner(*arguments)
 
     return loop
 
