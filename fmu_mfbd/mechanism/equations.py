@@ -344,24 +344,26 @@ def solve_chain(arrow: Arrow, right: np.ndarray) -> np.ndarray:
     """
     top, left, diagonal = arrow.top, arrow.left, arrow.diagonal
     m, k = len(top), len(diagonal)
-    matrix, rest = np.empty((m, m)), np.empty(m)
+    of_modes = right[m:].copy()
+    matrix, rest, out = np.empty((m, m)), np.empty(m), np.empty(m + k)
     for i in range(m):
         rest[i] = right[i]
         for j in range(m):
             matrix[i, j] = top[i, j]
-        for mode in range(k):
+        if k > 0:
             # Eq. (D64)
-            share = top[i, m + mode] / diagonal[mode]
-            rest[i] -= share * right[m + mode]
+            share = top[i][m:].copy()
+            for mode in range(k):
+                share[mode] /= diagonal[mode]
+            rest[i] -= share @ of_modes
+            by_modes = share @ left
             for j in range(m):
-                matrix[i, j] -= share * left[mode, j]
+                matrix[i, j] -= by_modes[j]
     x = substitute(factorise(matrix), rest)
-    out = np.empty(m + k)
     for i in range(m):
         out[i] = x[i]
-    for mode in range(k):
-        total = right[m + mode]
-        for j in range(m):
-            total -= left[mode, j] * x[j]
-        out[m + mode] = total / diagonal[mode]
+    if k > 0:
+        carried = left @ x
+        for mode in range(k):
+            out[m + mode] = (of_modes[mode] - carried[mode]) / diagonal[mode]
     return out

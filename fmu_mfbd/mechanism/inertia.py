@@ -114,7 +114,6 @@ def inertia_forces(
     """
     n, k = len(bodies.mass), len(bodies.stiffness)
     out = InertiaForces(np.empty((n, 3)), np.empty(k), np.empty((n, 10)), np.empty((3, k)), carrier)
-    _put_modal_fields(bodies, now, m, out.fields)
     _put_frames(bodies, at, now, m, out)
     _put_forces(bodies, at, now, m, out)
     return out
@@ -128,24 +127,8 @@ def coupling_of(bodies: Bodies, b: int) -> np.ndarray:
 
 
 @compilable
-def _put_modal_fields(bodies, now, m, fields):
-    """Write the fields of all modes."""
-    for b in range(len(bodies.mass)):
-        begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
-        k = end - begin
-        if k > 0:
-            table = coupling_of(bodies, b)
-            by_position = table @ now.position[m + begin : m + end]
-            by_velocity = table[k:] @ now.velocity[m + begin : m + end]
-            for i in range(k):
-                fields[BQ, begin + i] = bodies.b[begin + i] + by_position[i]
-                fields[GQ, begin + i] = bodies.g[begin + i] + by_position[k + i]
-                fields[GV, begin + i] = by_velocity[i]
-
-
-@compilable
 def _put_frames(bodies, at, now, m, out):
-    """Write the states of all frames, in the order of `FrameState`."""
+    """Write the states of all frames, in the order of `FrameState`, and the fields of all modes."""
     carrier = out.carrier
     for b in range(len(bodies.mass)):
         x, y = at.position[b, X], at.position[b, Y]
@@ -154,21 +137,36 @@ def _put_frames(bodies, at, now, m, out):
         ay += at.acceleration[b, Y]
         c, s = at.axes[b, 0], at.axes[b, 1]
         frame = out.frames[b]
-        frame[0] = c * ax + s * ay
-        frame[1] = c * ay - s * ax
+        frame[0], frame[1] = c * ax + s * ay, c * ay - s * ax
         frame[2] = at.acceleration[b, TURN] + carrier.alpha
         frame[3] = at.velocity[b, TURN] + carrier.w
-        sx, sy, inertia = bodies.S[b, X], bodies.S[b, Y], bodies.I0[b]
-        tx, ty, spin = 0.0, 0.0, 0.0
-        for i in range(bodies.first_mode[b], bodies.first_mode[b + 1]):
-            q, v = now.position[m + i], now.velocity[m + i]
-            sx += bodies.T[X, i] * q
-            sy += bodies.T[Y, i] * q
-            tx += bodies.T[X, i] * v
-            ty += bodies.T[Y, i] * v
-            inertia += (bodies.b[i] + out.fields[BQ, i]) * q
-            spin += out.fields[BQ, i] * v
-        frame[4], frame[5], frame[6], frame[7], frame[8], frame[9] = sx, sy, tx, ty, inertia, spin
+        frame[4], frame[5], frame[8] = bodies.S[b, X], bodies.S[b, Y], bodies.I0[b]
+        frame[6], frame[7], frame[9] = 0.0, 0.0, 0.0
+        begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
+        if end > begin:
+            _add_modes(bodies, b, begin, end, now, m, frame, out.fields)
+
+
+@compilable
+def _add_modes(bodies, b, begin, end, now, m, frame, fields):
+    """Write the fields of the modes of body b, and add them to the state of its frame."""
+    k = end - begin
+    q, v = now.position[m + begin : m + end], now.velocity[m + begin : m + end]
+    table = coupling_of(bodies, b)
+    by_position = table @ q
+    by_velocity = table[k:] @ v
+    by_x, by_y = bodies.T[X][begin:end], bodies.T[Y][begin:end]
+    bq = fields[BQ][begin:end]
+    for i in range(k):
+        bq[i] = bodies.b[begin + i] + by_position[i]
+        fields[GQ, begin + i] = bodies.g[begin + i] + by_position[k + i]
+        fields[GV, begin + i] = by_velocity[i]
+    frame[4] += by_x @ q
+    frame[5] += by_y @ q
+    frame[6] += by_x @ v
+    frame[7] += by_y @ v
+    frame[8] += bodies.b[begin:end] @ q + bq @ q
+    frame[9] += bq @ v
 
 
 @compilable
