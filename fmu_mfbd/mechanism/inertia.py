@@ -11,9 +11,6 @@ from ..dynamics.generalised_alpha import Motion
 from .chain import Bodies
 from .motion import ChainMotion, Increments, MotionChanges
 
-BQ, GQ, GV = range(3)
-"""Rows of `InertiaForces.fields`."""
-
 
 class FrameState(NamedTuple):
     """Motion of a body's frame in space, in its own axes, and its moments of mass.
@@ -53,7 +50,7 @@ class InertiaForces(NamedTuple):
         [kg^-1/2 N]
     frames : ndarray, shape (n, 10)
         A `FrameState` of each body.
-    fields : ndarray, shape (3, k)
+    bq, gq, gv : ndarray, shape (k,)
         b + B q and g + G q [kg^1/2 m], G q' [kg^1/2 m/s].
     carrier : Carrier
         Motion of the block.
@@ -62,7 +59,9 @@ class InertiaForces(NamedTuple):
     wrench: np.ndarray
     modal: np.ndarray
     frames: np.ndarray
-    fields: np.ndarray
+    bq: np.ndarray
+    gq: np.ndarray
+    gv: np.ndarray
     carrier: Carrier
 
 
@@ -113,7 +112,15 @@ def inertia_forces(
     InertiaForces
     """
     n, k = len(bodies.mass), len(bodies.stiffness)
-    out = InertiaForces(np.empty((n, 3)), np.empty(k), np.empty((n, 10)), np.empty((3, k)), carrier)
+    out = InertiaForces(
+        np.empty((n, 3)),
+        np.empty(k),
+        np.empty((n, 10)),
+        np.empty(k),
+        np.empty(k),
+        np.empty(k),
+        carrier,
+    )
     _put_frames(bodies, at, now, m, out)
     _put_forces(bodies, at, now, m, out)
     return out
@@ -128,7 +135,7 @@ def coupling_of(bodies: Bodies, b: int) -> np.ndarray:
 
 @compilable
 def _put_frames(bodies, at, now, m, out):
-    """Write the states of all frames, in the order of `FrameState`, and the fields of all modes."""
+    """Write the states of all frames, in the order of `FrameState`, with those of all modes."""
     carrier = out.carrier
     for b in range(len(bodies.mass)):
         x, y = at.position[b, X], at.position[b, Y]
@@ -144,23 +151,23 @@ def _put_frames(bodies, at, now, m, out):
         frame[6], frame[7], frame[9] = 0.0, 0.0, 0.0
         begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
         if end > begin:
-            _add_modes(bodies, b, begin, end, now, m, frame, out.fields)
+            _add_modes(bodies, b, begin, end, now, m, frame, out)
 
 
 @compilable
-def _add_modes(bodies, b, begin, end, now, m, frame, fields):
-    """Write the fields of the modes of body b, and add them to the state of its frame."""
+def _add_modes(bodies, b, begin, end, now, m, frame, out):
+    """Write what the modes of body b share, and add them to the state of its frame."""
     k = end - begin
     q, v = now.position[m + begin : m + end], now.velocity[m + begin : m + end]
     table = coupling_of(bodies, b)
     by_position = table @ q
     by_velocity = table[k:] @ v
     by_x, by_y = bodies.T[X][begin:end], bodies.T[Y][begin:end]
-    bq = fields[BQ][begin:end]
+    bq = out.bq[begin:end]
     for i in range(k):
         bq[i] = bodies.b[begin + i] + by_position[i]
-        fields[GQ, begin + i] = bodies.g[begin + i] + by_position[k + i]
-        fields[GV, begin + i] = by_velocity[i]
+        out.gq[begin + i] = bodies.g[begin + i] + by_position[k + i]
+        out.gv[begin + i] = by_velocity[i]
     frame[4] += by_x @ q
     frame[5] += by_y @ q
     frame[6] += by_x @ v
@@ -181,13 +188,13 @@ def _put_forces(bodies, at, now, m, out):
         moment = f.sx * f.ay - f.sy * f.ax + f.alpha * f.inertia + 2 * w * f.spin
         for i in range(bodies.first_mode[b], bodies.first_mode[b + 1]):
             a = now.acceleration[m + i]
-            gq = out.fields[GQ, i]
+            gq = out.gq[i]
             x += bodies.T[X, i] * a
             y += bodies.T[Y, i] * a
             moment += gq * a
             # Eq. (D3)
             push = bodies.T[X, i] * f.ax + bodies.T[Y, i] * f.ay + f.alpha * gq
-            push += 2 * w * out.fields[GV, i] - w2 * out.fields[BQ, i]
+            push += 2 * w * out.gv[i] - w2 * out.bq[i]
             held = bodies.damping[i] * now.velocity[m + i]
             held += bodies.stiffness[i] * now.position[m + i]
             out.modal[i] = push + a + held
@@ -285,8 +292,8 @@ def _put_joint_columns(bodies, at, forces, d, frames, out):
             out.wrench[b, Y, j] = s * x + c * y + force_x * t
             out.wrench[b, TURN, j] = f.sx * ay - f.sy * ax + alpha * f.inertia + 2 * dw * f.spin
         for i in range(bodies.first_mode[b], bodies.first_mode[b + 1]):
-            x, y, gq = bodies.T[X, i], bodies.T[Y, i], forces.fields[GQ, i]
-            spun = 2 * (forces.fields[GV, i] - w * forces.fields[BQ, i])
+            x, y, gq = bodies.T[X, i], bodies.T[Y, i], forces.gq[i]
+            spun = 2 * (forces.gv[i] - w * forces.bq[i])
             for j in range(frames.shape[2]):
                 # Eq. (D3)
                 by_frame = x * frames[b, X, j] + y * frames[b, Y, j]
@@ -309,12 +316,12 @@ def _put_modal_columns(bodies, at, now, m, forces, by, out):
         for i in range(begin, end):
             j = m + i
             c0, c1, c2 = by.acceleration[j], by.velocity[j], by.position[j]
-            x, y, bq = bodies.T[X, i], bodies.T[Y, i], forces.fields[BQ, i]
+            x, y, bq = bodies.T[X, i], bodies.T[Y, i], forces.bq[i]
             along, across = c0 - c2 * f.w * f.w, c2 * f.alpha + 2 * c1 * f.w
             # Eqs. (D1), (D2)
             fx, fy = along * x - across * y, along * y + across * x
             moment = c2 * (x * f.ay - y * f.ax + 2 * f.alpha * bq + 2 * f.w * bv[i - begin])
-            moment += c0 * forces.fields[GQ, i] + 2 * c1 * f.w * bq - c2 * ga[i - begin]
+            moment += c0 * forces.gq[i] + 2 * c1 * f.w * bq - c2 * ga[i - begin]
             out.wrench[b, X, j] = c * fx - s * fy
             out.wrench[b, Y, j] = s * fx + c * fy
             out.wrench[b, TURN, j] = moment
