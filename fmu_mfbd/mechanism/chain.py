@@ -219,20 +219,19 @@ def stack_bodies(bodies: Sequence[FlexibleBody]) -> Bodies:
     modes = [len(body.stiffness) for body in bodies]
     coupling = [np.concatenate([body.B.ravel(), body.G.ravel()]) for body in bodies]
 
-    def each(name):
-        return np.array([getattr(body, name) for body in bodies])
-
     def stacked(name):
         parts = [getattr(body, name) for body in bodies]
         return np.ascontiguousarray(np.concatenate(parts, axis=-1))
 
+    tables = {
+        name: np.array([getattr(body, name) for body in bodies]) for name in ("mass", "I0", "S")
+    }
+    tables |= {name: stacked(name) for name in ("T", "b", "g", "stiffness", "damping")}
     return Bodies(
-        *map(each, ("mass", "I0", "S")),
-        np.cumsum([0, *modes], dtype=np.int64),
-        np.cumsum([0, *(len(one) for one in coupling)], dtype=np.int64),
-        *map(stacked, ("T", "b", "g")),
-        np.concatenate(coupling),
-        *map(stacked, ("stiffness", "damping")),
+        first_mode=np.cumsum([0, *modes], dtype=np.int64),
+        first_entry=np.cumsum([0, *(len(one) for one in coupling)], dtype=np.int64),
+        coupling=np.concatenate(coupling),
+        **tables,
     )
 
 
@@ -276,14 +275,10 @@ def chain_of(
     tip = np.zeros((len(links), coordinates))
     for row, link in zip(tip, links):
         row[list(link.tip)] = list(link.tip.values())
-    joints = Joints(
-        *(whole(links, name) for name in ("parent", "play", "angle")),
-        real(links, "marker", (2,)),
-        *(real(links, name) for name in ("sign", "driven", "rod_length", "offset")),
-        tip,
-    )
-    table = Elements(
-        *(whole(elements, name) for name in ("acts", "reacts", "carrier", "axes")),
-        *(real(elements, name, (2,)) for name in ("marker", "point")),
-    )
+    numbers = {name: whole(links, name) for name in ("parent", "play", "angle")}
+    factors = {name: real(links, name) for name in ("sign", "driven", "rod_length", "offset")}
+    joints = Joints(marker=real(links, "marker", (2,)), tip=tip, **numbers, **factors)
+    numbers = {name: whole(elements, name) for name in ("acts", "reacts", "carrier", "axes")}
+    points = {name: real(elements, name, (2,)) for name in ("marker", "point")}
+    table = Elements(**numbers, **points)
     return Chain(stack_bodies([link.body for link in links]), joints, table, block, mounts)

@@ -344,7 +344,7 @@ def solve_chain(arrow: Arrow, right: np.ndarray) -> np.ndarray:
     """
     top, left, diagonal = arrow.top, arrow.left, arrow.diagonal
     m, k = len(top), len(diagonal)
-    of_modes = right[m:].copy()
+    of_modes = right[m:]
     matrix, rest, out = np.empty((m, m)), np.empty(m), np.empty(m + k)
     for i in range(m):
         rest[i] = right[i]

@@ -112,15 +112,9 @@ def inertia_forces(
     InertiaForces
     """
     n, k = len(bodies.mass), len(bodies.stiffness)
-    out = InertiaForces(
-        np.empty((n, 3)),
-        np.empty(k),
-        np.empty((n, 10)),
-        np.empty(k),
-        np.empty(k),
-        np.empty(k),
-        carrier,
-    )
+    rows = np.empty((4, k))
+    wrench, frames = np.empty((n, 3)), np.empty((n, 10))
+    out = InertiaForces(wrench, rows[0], frames, rows[1], rows[2], rows[3], carrier)
     _put_frames(bodies, at, now, m, out)
     _put_forces(bodies, at, now, m, out)
     return out

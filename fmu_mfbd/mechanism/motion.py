@@ -83,9 +83,8 @@ def chain_motion(joints: Joints, now: Motion, drive: CrankMotion) -> ChainMotion
     ChainMotion
     """
     n = len(joints.parent)
-    at = ChainMotion(
-        np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.zeros((n, 3)), np.zeros((n, 3))
-    )
+    places, rates = np.empty((3, n, 2)), np.zeros((2, n, 3))
+    at = ChainMotion(places[0], places[1], places[2], rates[0], rates[1])
     position, velocity, acceleration = at.position, at.velocity, at.acceleration
     for b in range(n):
         # Eq. (K41)
@@ -168,7 +167,8 @@ def motion_changes(joints: Joints, at: ChainMotion, by: Increments) -> MotionCha
     MotionChanges
     """
     n, m = joints.tip.shape
-    d = MotionChanges(np.zeros((n, 3, m)), np.zeros((n, 3, m)), np.zeros((n, 3, m)))
+    tables = np.zeros((3, n, 3, m))
+    d = MotionChanges(tables[0], tables[1], tables[2])
     for b in range(n):
         p = joints.parent[b]
         if p >= 0:
