@@ -11,6 +11,11 @@ from ..dynamics.generalised_alpha import Motion
 from .chain import Bodies
 from .motion import ChainMotion, Increments, MotionChanges
 
+AX, AY, ALPHA, W, SX, SY, TX, TY, INERTIA, SPIN = range(10)
+"""Places in a row of `InertiaForces.frames`."""
+MODAL, BQ, GQ, GV = range(4)
+"""Rows of the tables of modes in `InertiaForces`."""
+
 
 class FrameState(NamedTuple):
     """Motion of a body's frame in space, in its own axes, and its moments of mass.
@@ -86,7 +91,7 @@ class InertiaChanges(NamedTuple):
 def frame_state(frames: np.ndarray, b: int) -> FrameState:
     """Return the state of the frame of body b."""
     f = frames[b]
-    return FrameState(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9])
+    return FrameState(f[AX], f[AY], f[ALPHA], f[W], f[SX], f[SY], f[TX], f[TY], f[INERTIA], f[SPIN])
 
 
 @compilable
@@ -114,7 +119,7 @@ def inertia_forces(
     n, k = len(bodies.mass), len(bodies.stiffness)
     rows = np.empty((4, k))
     wrench, frames = np.empty((n, 3)), np.empty((n, 10))
-    out = InertiaForces(wrench, rows[0], frames, rows[1], rows[2], rows[3], carrier)
+    out = InertiaForces(wrench, rows[MODAL], frames, rows[BQ], rows[GQ], rows[GV], carrier)
     _put_frames(bodies, at, now, m, out)
     _put_forces(bodies, at, now, m, out)
     return out
@@ -138,11 +143,11 @@ def _put_frames(bodies, at, now, m, out):
         ay += at.acceleration[b, Y]
         c, s = at.axes[b, 0], at.axes[b, 1]
         frame = out.frames[b]
-        frame[0], frame[1] = c * ax + s * ay, c * ay - s * ax
-        frame[2] = at.acceleration[b, TURN] + carrier.alpha
-        frame[3] = at.velocity[b, TURN] + carrier.w
-        frame[4], frame[5], frame[8] = bodies.S[b, X], bodies.S[b, Y], bodies.I0[b]
-        frame[6], frame[7], frame[9] = 0.0, 0.0, 0.0
+        frame[AX], frame[AY] = c * ax + s * ay, c * ay - s * ax
+        frame[ALPHA] = at.acceleration[b, TURN] + carrier.alpha
+        frame[W] = at.velocity[b, TURN] + carrier.w
+        frame[SX], frame[SY], frame[INERTIA] = bodies.S[b, X], bodies.S[b, Y], bodies.I0[b]
+        frame[TX], frame[TY], frame[SPIN] = 0.0, 0.0, 0.0
         begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
         if end > begin:
             _add_modes(bodies, b, begin, end, now, m, frame, out)
@@ -162,12 +167,12 @@ def _add_modes(bodies, b, begin, end, now, m, frame, out):
         bq[i] = bodies.b[begin + i] + by_position[i]
         out.gq[begin + i] = bodies.g[begin + i] + by_position[k + i]
         out.gv[begin + i] = by_velocity[i]
-    frame[4] += by_x @ q
-    frame[5] += by_y @ q
-    frame[6] += by_x @ v
-    frame[7] += by_y @ v
-    frame[8] += bodies.b[begin:end] @ q + bq @ q
-    frame[9] += bq @ v
+    frame[SX] += by_x @ q
+    frame[SY] += by_y @ q
+    frame[TX] += by_x @ v
+    frame[TY] += by_y @ v
+    frame[INERTIA] += bodies.b[begin:end] @ q + bq @ q
+    frame[SPIN] += bq @ v
 
 
 @compilable
@@ -243,7 +248,7 @@ def _put_frame_changes(at, forces, by, d, block, out):
     for b in range(len(out)):
         c, s = at.axes[b, 0], at.axes[b, 1]
         x, y, vx, vy = at.position[b, X], at.position[b, Y], at.velocity[b, X], at.velocity[b, Y]
-        ax, ay = forces.frames[b, 0], forces.frames[b, 1]
+        ax, ay = forces.frames[b, AX], forces.frames[b, AY]
         for j in range(out.shape[2]):
             # Eq. (K14)
             px, py = d.position[b, X, j], d.position[b, Y, j]

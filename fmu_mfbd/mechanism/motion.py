@@ -84,7 +84,7 @@ def chain_motion(joints: Joints, now: Motion, drive: CrankMotion) -> ChainMotion
     """
     n = len(joints.parent)
     places, rates = np.empty((3, n, 2)), np.zeros((2, n, 3))
-    at = ChainMotion(places[0], places[1], places[2], rates[0], rates[1])
+    at = ChainMotion(places[0], places[1], places[-1], rates[0], rates[1])
     position, velocity, acceleration = at.position, at.velocity, at.acceleration
     for b in range(n):
         # Eq. (K41)
@@ -168,7 +168,7 @@ def motion_changes(joints: Joints, at: ChainMotion, by: Increments) -> MotionCha
     """
     n, m = joints.tip.shape
     tables = np.zeros((3, n, 3, m))
-    d = MotionChanges(tables[0], tables[1], tables[2])
+    d = MotionChanges(tables[0], tables[1], tables[-1])
     for b in range(n):
         p = joints.parent[b]
         if p >= 0:

@@ -18,6 +18,8 @@ from .methods.krylov import KEPT, RecycledGmres
 from .methods.newton import Newton
 from .methods.solution import MacroStep, Method, Solution, Tried
 from .native_block import (
+    FOUND,
+    SOLVED,
     CoupledMemory,
     CoupledSetup,
     ExposedVariables,
@@ -42,7 +44,7 @@ FIRST_CALLED = 256
 """Code of the first instance, as in front/parts.c."""
 EMPTY = 2
 """Length of the memory of an instance: an empty list of faults."""
-NOTED = 5
+NOTED = FOUND + 2
 """Numbers of `native.iterate` before the measures."""
 
 
@@ -219,9 +221,9 @@ class Iteration:
             called.spent = called.carried = 0.0
         status = self._run()
         self._account()
-        if status or not self.numbers[2]:
+        if status or not self.numbers[SOLVED]:
             return None
-        evaluations, products = self.numbers[3:NOTED].astype(int).tolist()
+        evaluations, products = self.numbers[FOUND:NOTED].astype(int).tolist()
         measures = self.numbers[NOTED:].reshape(-1, len(self.interface.wires))[:evaluations]
         trail = measures.tolist()
         self.interface.trail += trail

@@ -12,7 +12,9 @@ from ..fmi.noted import refuse, take_over
 from .methods.krylov import forget
 from .native_block import (
     FAULT,
+    FOUND,
     SENTENCES,
+    SOLVED,
     CoupledState,
     LastMacroStep,
     ParticipantRow,
@@ -404,9 +406,10 @@ def iterate(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     real : guess, then the solution; numbers : length of the step and its begin [s], then written:
     1 if there is a solution, else 0, and what `find` notes. `integer` is unused.
     """
-    numbers[2] = 0.0
-    numbers[3] = 0.0
-    numbers[2] = 1.0 if find(memory, real, numbers[1], numbers[0], numbers[3:]) else 0.0
+    numbers[SOLVED] = 0.0
+    numbers[FOUND] = 0.0
+    if find(memory, real, numbers[1], numbers[0], numbers[FOUND:]):
+        numbers[SOLVED] = 1.0
 
 
 PART = NativePart(

@@ -311,6 +311,10 @@ _check = checker(
     are_wires=are_wires,
     are_exposed=are_exposed,
 )
+SOLVED, FOUND = 2, 3
+"""Positions in the numbers of `native.iterate`, behind step and time: 1 if there is a solution, and
+the first of what `find` notes.
+"""
 PARTS = float(len(CoupledMemory._fields))
 _room_of_state = room_of(CoupledState, "standing, predicted, size, pairs, unknowns")
 _room_of_pairs = room_of(Pairs, "pairs, unknowns")
