@@ -22,6 +22,15 @@ from piston_cosim.master.runs.run import run
 EXAMPLE = find_case("numerical_example")
 
 
+def tight(tree, tolerance="1 nm"):
+    """Return the tree of a case that iterates all its films to a tolerance."""
+    wires = [
+        wire | {"tolerance": tolerance} if wire["to"].endswith("film_thickness") else wire
+        for wire in tree["wires"]
+    ]
+    return tree | {"wires": wires}
+
+
 TIGHT = ("wires.0.tolerance", "1 nm"), ("wires.1.tolerance", 1e-6)
 """Tolerances of film thickness and velocity at which runs that differ in their method agree."""
 
@@ -62,7 +71,8 @@ def pin_case(path, films, *changes, skirt=(24, 12), pin=(48, 4), crank=(48, 4), 
         tables[name]["build"] |= {"grid": grid, "mask": "none"}
         for supply in ("opening_supply", "pressure_openings"):
             tables[name]["parameters"].pop(supply, None)
-    return {**tree, "record": {"fields": ["left_film.pressure"], "every": 10}, "pictures": []}
+    record = {"fields": ["left_film.pressure"], "every": 10}
+    return tight(tree) | {"record": record, "pictures": []}
 
 
 def run_tree(origin, tree, output, **how):

@@ -7,6 +7,8 @@ from .shipped import DATA_SHEET, MOMENTS, SPACE, tied
 
 ACROSS = ("pin_axis_displacement", "roll_angle", "yaw_angle")
 
+CONVERGED = ("wires.0.tolerance", "0.1 nm"), ("wires.1.tolerance", 1e-7)
+
 
 def test_symmetric_loads_move_the_piston_in_its_plane(tmp_path):
     """Symmetric loads give the plane motion to 5e-7 of each range, in as many iterations.
@@ -15,9 +17,9 @@ def test_symmetric_loads_move_the_piston_in_its_plane(tmp_path):
     thickness into 1e-7 of its force. The film is even about z = 0 to some 1e-4 N of a thousand.
     Shift, roll and yaw therefore stay within 2e-12 m or rad; the test allows 2e-11.
     """
-    stop = ("time.stop", "60 deg")
-    flat = run_tree(DATA_SHEET, tied(stop), tmp_path / "flat.h5")
-    space = run_tree(DATA_SHEET, tied(stop, (SPACE, MOMENTS)), tmp_path / "space.h5")
+    stop = ("time.stop", "60 deg"), *CONVERGED
+    flat = run_tree(DATA_SHEET, tied(*stop), tmp_path / "flat.h5")
+    space = run_tree(DATA_SHEET, tied(*stop, (SPACE, MOMENTS)), tmp_path / "space.h5")
     assert flat.summary["mean_iterations"] == space.summary["mean_iterations"]
     for name in ("lateral_displacement", "rocking_angle", "side_force", "crank_torque"):
         one, other = (each.series(f"bodies.{name}").values for each in (flat, space))

@@ -15,7 +15,7 @@ from piston_cosim.master.participants.fmi2 import FmuParticipant
 
 from .films import one_film, several_films
 from .pairs import BY_ITSELF, side_by_side
-from .runs import EXAMPLE, export, small_tree
+from .runs import EXAMPLE, export, small_tree, tight
 from .shipped import DATA_SHEET, FLOATING_PIN, small_pin
 
 STEP = float(np.radians(1.0)) / (2 * np.pi * 100.0)  # 1 deg at 6000 rpm [s]
@@ -36,6 +36,8 @@ COUNTS = ("residual_evaluations", "jacobian_evaluations", "solver_iterations")
 """Work of both participants over all iterations of the steps so far, and of the film in the last:
 equal where every step took the same evaluations and linearisations.
 """
+CONVERGED = "0.01 nm"
+"""Tolerance of films at which what is left of round-off is small."""
 ROUND_OFF = 1e-12
 """Of the largest value: 2e-13 was seen. A Newton update leaves of an error what its linear solve
 does, and both paths stop in the same iteration, so that round-off passes on without growing.
@@ -128,15 +130,6 @@ def test_every_output_is_that_of_the_fmu_in_python():
     assert max(apart.shares(OF_WORKS).values()) <= ROUND_OFF
 
 
-def tight(tree):
-    """Return a case that iterates films to 0.01 nm, so that what is left of round-off is small."""
-    wires = [
-        wire | {"tolerance": "0.01 nm"} if wire["to"].endswith("film_thickness") else wire
-        for wire in tree["wires"]
-    ]
-    return tree | {"wires": wires}
-
-
 def two_films():
     """Return a case of three participants, two of them of one library.
 
@@ -176,7 +169,7 @@ def two_films():
     ids=["two films", "no wires"],
 )
 def test_other_cases_are_those_of_the_fmu_in_python(make, steps, moved):
-    apart = compared(both(tight(make()), DATA_SHEET), steps, inputs=warm)
+    apart = compared(both(tight(make(), CONVERGED), DATA_SHEET), steps, inputs=warm)
     assert [name for name, least in moved.items() if not apart.size[name] > least] == []
     shares = apart.shares(OF_WORKS)
     assert {name: share for name, share in shares.items() if share > ROUND_OFF} == {}
@@ -184,7 +177,9 @@ def test_other_cases_are_those_of_the_fmu_in_python(make, steps, moved):
 
 def test_a_floating_pin_is_that_of_the_fmu_in_python():
     tree = small_pin(stop="12 deg", skirt=(12, 10), pin=(24, 4))
-    ours, theirs = compared(both(tight(tree), FLOATING_PIN), 12, inputs=lambda one, k: {}).last
+    ours, theirs = compared(
+        both(tight(tree, CONVERGED), FLOATING_PIN), 12, inputs=lambda one, k: {}
+    ).last
     names = [name for name in theirs if not name.endswith(OF_EQUALS)]
     assert sum(abs(theirs[name]) > 0.0 for name in names) > 20
     for name in names:
