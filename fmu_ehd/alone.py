@@ -131,8 +131,11 @@ class Film:
 
     @staticmethod
     def parameters() -> dict[str, Variable]:
-        """Every parameter by its name: unit, default (`start`), allowed range, description."""
-        return dict(KNOWN)
+        """Every parameter by its name: unit, default (`start`), allowed range, description.
+
+        `film_symmetry` is missing. It is for a film between bodies, and changes no result.
+        """
+        return {name: known for name, known in KNOWN.items() if name != "film_symmetry"}
 
     def start(
         self,
