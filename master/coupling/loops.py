@@ -169,7 +169,7 @@ def _unstable(matrix: np.ndarray, own: Part) -> str:
     element = int(interface.unknowns[np.argmax(np.abs(vectors[:, k]))])
     wire = next(w for w, p in zip(interface.wires, interface.parts) if element < p.stop)
     how = "grows" if np.abs(values[k]) > 1.0 + NEAR else "oscillates without damping"
-    factor = short(float(values[k].real), "1")
+    factor = short(float(np.abs(values[k])), "1")
     return (
         f"expected an iteration of the loop {', '.join(own.component.names)}, got an exchange that "
         f"{how}: a change of {'.'.join(wire.source)} is {factor} times as large after a macro step"
