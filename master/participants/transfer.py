@@ -101,7 +101,8 @@ class FmuFields(DescribedFmu):
         def put():
             if status := setting():
                 self._check(setter, status)
-            self.note_written(block)
+            if block is not self._written:
+                self.note_written(block)
 
         block.get, block.put = get, put
 
