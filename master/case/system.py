@@ -60,8 +60,7 @@ def open_system(
         With every fault: first those found before anything is built, then those of all build
         options, then those of parameters, wires, recorded names and time.
     """
-    faults = faults_ahead(case, folder)
-    if faults:
+    if faults := faults_ahead(case, folder):
         raise BadInput(faults)
     declared = ahead(case, folder)
     finished = open_finished(case, folder, declared, faults, progress, own)
