@@ -127,7 +127,7 @@ def test_a_case_changed_leaves_the_first_as_it_was():
     thick = case.changed({"participants.ehd.parameters.viscosity": "20 mPa s"})
     assert case["participants.ehd.parameters.viscosity"] == "6 mPa s"
     assert thick["participants.ehd.parameters.viscosity"] == "20 mPa s"
-    assert thick["wires.0.tolerance"] == "1 nm"
+    assert thick["wires.0.tolerance"] == "10 nm"
     assert case.variant("rigid").label == "rigid"
     assert case.variant("rigid")["participants.bodies.build.block.modes"] == 0
     assert repr(case).startswith("<Case numerical_example, flexible: Motored single")

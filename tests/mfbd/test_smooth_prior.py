@@ -191,7 +191,7 @@ def test_a_number_or_an_error(given, read):
         ({"modes": 300}, "modes: expected a number of modes from 0 to"),
         ({"modes": "60 %"}, "modes: expected a number of modes from 0 to"),
         ({"modes": "1 mm"}, "got '1 mm'"),
-        ({"modes": True}, "got True"),
+        ({"modes": True}, "got 'true'"),
         ({"modes": "1 %", "basis": "craig_bampton"}, "modes: expected a number of modes with"),
         ({"basis": "trained"}, "train_on: expected it with basis ="),
         ({"train_on": "run.h5"}, "train_on: expected it with basis ="),
