@@ -135,6 +135,8 @@ def test_a_signal_ends_a_first_compilation_within_a_second_and_its_cache_is_usab
 INTERRUPTED = """
 import os, signal, sys
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background ignores it
+
 class Finder:
     def find_spec(self, name, path=None, target=None):
         if name == "piston_cosim.master.commands.app":
