@@ -12,6 +12,8 @@ from .derivatives import put_back
 
 STEPS = 2
 """Number of steps to compare. A missing part of the state may affect only the second one."""
+TALLY = " so far"
+"""In the description of an output that counts repeated steps too, and is no part of a state."""
 ROUND_OFF = 1e-12
 """Difference of an output, relative to its size, that counts as round-off of a step."""
 LARGEST_NOISE = 1e-2
@@ -204,7 +206,8 @@ def _difference(
             apart = _apart(value, after[name])
             share = apart / sizes[name]
             counts = one.fields[name].type == "Real" or name in wired
-            if share <= (worst if counts else ROUND_OFF):
+            is_tally = TALLY in (one.fields[name].description or "")
+            if share <= (worst if counts else ROUND_OFF) or (is_tally and not counts):
                 continue
             said = (
                 f"{name} differs by {apart:.3g} ({100 * share:.3g} %) after step {k} if "

@@ -18,6 +18,7 @@ from piston_cosim.master.fmi.errors import ParticipantFault
 from ..command import call
 from .c_fmus import Variable, make_reported
 from .reported import TYPED, Y, calls, fmu, folder, integer, last, real, refused, run
+from .runs import coarse
 
 __all__ = ["folder"]
 
@@ -336,3 +337,12 @@ def test_saved_states_are_compared_by_values_of_all_types(kind, restores, fails,
     assert f"a: y{kind} differs by " in caplog.text
     assert ("treated as an FMU without saved states" in caplog.text) is fails
     assert ("loops_stepped_explicitly" in results.summary) is fails
+
+
+def test_an_output_that_counts_so_far_is_no_part_of_a_state(tmp_path, monkeypatch, caplog):
+    """Bodies count evaluations of repeated steps too, which says nothing of their saved states."""
+    monkeypatch.chdir(tmp_path)
+    case = pc.open_case("numerical_example", dict(coarse(("time.stop", "2 deg"))))
+    with caplog.at_level("INFO", logger="piston_cosim"):
+        assert case.run().summary["steps"] == 2
+    assert "differs by" not in caplog.text
