@@ -148,7 +148,5 @@ static int32_t allocate(ARGUMENTS)
 EXPORT void toy_allocate(int64_t count, int64_t *sizes, double *addresses, double alignment)
 {
     const int64_t lengths[4] = {0, count, count, 1};
-    pool_open();
     pool_run(allocate, NULL, sizes, addresses, &alignment, lengths);
-    pool_close();
 }

@@ -59,7 +59,6 @@ static void begin_alone(void)
 void pool_open(void)
 {
     begin_alone();
-    look_at_processor();
     instances++;
     atomic_flag_clear(&busy);
 }
@@ -87,6 +86,8 @@ int pool_run(Entering *entry, double *real, int64_t *integer, double *memory, do
     Pool *outer = pool, *own = idle;
     if (own)
         idle = own->next;
+    else
+        look_at_processor();
     atomic_flag_clear(&busy);
     if (!own && !(own = calloc(1, sizeof *own)))
         return -1;
