@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault
 from ..participants.derivatives import DIFFERENCE, NEGLIGIBLE
-from ..participants.participant import FieldBlock, Participant, derive_each
+from ..participants.participant import Participant, block_of, derive_each
 from .vector import Evaluation, largest
 from .wiring import HeldWire, Wire, is_unknown, layout_of
 
@@ -49,8 +49,8 @@ class Ends:
         self.participant = participant
         self.inputs = tuple(end.variable for end in inputs)
         self.outputs = tuple(dict.fromkeys(end.variable for end in outputs))
-        block = getattr(participant, "block", None) or partial(FieldBlock, participant)
-        self.given, self.taken = block(self.inputs, "written"), block(self.outputs, "read")
+        self.given = block_of(participant, self.inputs, "written")
+        self.taken = block_of(participant, self.outputs)
         self.derive = getattr(participant, "derive", None) or partial(derive_each, participant)
         self.nominals = [participant.fields[name].nominal for name in self.inputs]
         ends = np.cumsum([0, *(end.part.stop - end.part.start for end in inputs)])

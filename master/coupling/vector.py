@@ -110,10 +110,10 @@ def step_length(layout: Layout, x: Array, change: Array):
         if limit < np.inf:
             begin, end = layout.ends[w - 1] if w > 0 else 0, layout.ends[w]
             values, moves = x[begin:end], change[begin:end]
-            down = moves < 0.0
-            if down.any():
-                smallest = np.min(values)
-                floor = smallest - limit * max(smallest, layout.nominal[begin] / 10)
+            smallest = np.min(values)
+            floor = smallest - limit * max(smallest, layout.nominal[begin] / 10)
+            if np.min(moves) < floor - smallest:  # else no element can pass the floor
+                down = moves < 0.0
                 share = min(share, np.min((values[down] - floor) / -moves[down]))
     return share
 

@@ -53,9 +53,8 @@ class Fmu3Participant(FmuParticipant):
         return access | {"Enumeration": access["Int64"], "String": self._texts}
 
     def _are_double(self, names):
-        """Return whether one call can transfer several fields: all must have type Float64."""
         events = self._discrete if self._has_events else ()
-        return all(self.fields[name].is_double and name not in events for name in names)
+        return super()._are_double(names) and not any(name in events for name in names)
 
     def _configure(self):
         """Set the `sizes` of the FMU in Configuration Mode."""

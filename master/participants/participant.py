@@ -1,6 +1,7 @@
 """Protocol of participants: every object with these methods can take part."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from math import prod
 from typing import Any, Protocol
 
@@ -95,6 +96,12 @@ class FieldBlock:
         """Set the fields to `values`."""
         for name, value in split(self.participant, self.names, self.values.copy()).items():
             self.participant.set(name, value)
+
+
+def block_of(participant: Any, names: Sequence[str], use: str = "read") -> Any:
+    """Return several real fields of a participant, see `FieldBlock`."""
+    make = getattr(participant, "block", None) or partial(FieldBlock, participant)
+    return make(names, use)
 
 
 class FieldByField:

@@ -202,8 +202,8 @@ class FmuFields(DescribedFmu):
         return [bool(value) for value in values] if field.type == "Boolean" else values
 
     def _are_double(self, names):
-        """Return whether one call can transfer several fields."""
-        return True
+        """Return whether one call can transfer several fields: all must be 64-bit floats."""
+        return all(self.fields[name].is_double for name in names)
 
     def _check(self, function, status):
         """Note a warning; raise `CallFailed` with the FMU's messages for a failure."""
@@ -321,9 +321,9 @@ class FmuFields(DescribedFmu):
 
     def block(self, names, use="read") -> Any:
         """Return several real fields, which one call transfers; created once for each use."""
-        if not self._are_double(names):
-            return FieldBlock(self, names, use)
         if (names, use) not in self._blocks:
+            if not self._are_double(names):
+                return FieldBlock(self, names, use)
             known = {name: self.fields[name] for name in names}
             self._blocks[names, use] = self._block(known, use == "written")
         return self._blocks[names, use]

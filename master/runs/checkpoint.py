@@ -15,6 +15,7 @@ from ..fmi.errors import BadInput, Stopped, file_fault
 from ..participants.plain import NotPlain, pack, unpack
 from .envelopes import Envelopes
 from .extrapolation import Extrapolation
+from .extremes import Extremes
 from .reductions import Reduction
 from .repetition import Repetition
 
@@ -64,7 +65,7 @@ class Account:
 
 
 MAGIC = b"piston-cosim checkpoint\n"
-VERSION = 4
+VERSION = 5
 CHECKSUM = 32
 """Length of a SHA-256 [bytes]."""
 
@@ -74,6 +75,7 @@ ACCOUNTS = (
     Counters,
     Envelopes,
     Extrapolation,
+    Extremes,
     InterfaceWork,
     Ledger,
     Reduction,

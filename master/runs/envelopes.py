@@ -7,43 +7,27 @@ import numpy as np
 
 from ..case.contract import envelope_kinds
 from ..coupling.wiring import port_of
+from .extremes import Extremes
 
-EXTREMES = {"min": np.minimum, "max": np.maximum}
 
-
-class Envelopes:
-    """Running envelopes of a period: its start and every accepted macro step.
+class Envelopes(Extremes):
+    """Extremes whose kinds are known.
 
     Parameters
     ----------
     kinds : mapping of str to {"min", "max"}
         Port -> extreme.
-
-    Attributes
-    ----------
-    values : dict of str to ndarray
-        Port -> extreme of every cell since the beginning of the period, in SI.
     """
 
     def __init__(self, kinds: Mapping[str, str]):
+        super().__init__(map(port_of, kinds))
         self.kinds = dict(kinds)
-        self.values: dict[str, np.ndarray] = {}
 
-    def begin(self, participants: Mapping[str, Any]) -> None:
-        """Begin a period at the current state of the participants."""
-        self.values = self._read(participants)
-
-    def add(self, participants: Mapping[str, Any]) -> None:
-        """Add an accepted step."""
-        for port, value in self._read(participants).items():
-            self.values[port] = EXTREMES[self.kinds[port]](self.values[port], value)
-
-    def _read(self, participants):
-        return {
-            port: np.array(participants[owner].get(name), dtype=float)
-            for port in self.kinds
-            for owner, name in [port_of(port)]
-        }
+    def values(self, participants: Mapping[str, Any]) -> dict[str, np.ndarray]:
+        """Return the extreme of every cell since the beginning of the period, by port."""
+        both = {"min": self.low, "max": self.high}
+        by_kind = {kind: self.fields(participants, values) for kind, values in both.items()}
+        return {port: by_kind[kind][port_of(port)] for port, kind in self.kinds.items()}
 
 
 def envelopes(tree: dict, participants: Mapping[str, Any]) -> Envelopes:

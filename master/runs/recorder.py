@@ -391,12 +391,13 @@ class Recorder:
         """Add summary, start of the last period [s] and envelopes; close and rename the file."""
         self.flush()
         self.close()
-        more = ROOM + sum(values.nbytes for values in envelopes.values.values())
+        extremes = envelopes.values(self.participants)
+        more = ROOM + sum(values.nbytes for values in extremes.values())
         reserve(self.partial, self.partial.stat().st_size + more)
         with h5py.File(self.partial, "a") as file:
             file.attrs["summary"] = json.dumps(summary)
             file.attrs["last_period"] = last_period
-            for port, values in envelopes.values.items():
+            for port, values in extremes.items():
                 owner, name = port_of(port)
                 field = self.participants[owner].fields[name]
                 dataset = file.create_dataset(f"envelopes/{dataset_path(port)}", data=values)

@@ -14,12 +14,10 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from ..case.contract import contract, players
-from ..coupling.wiring import port_of
+from ..coupling.wiring import port_of, rms
 from ..fmi.errors import BadInput
 from .extrapolation import Extrapolation
-
-Port = tuple[str, str]
-"""Participant and variable."""
+from .extremes import Extremes, Port
 
 USUAL_TOLERANCE = 1e-3
 """Tolerance of the change between two periods in a run with a fixed stop time."""
@@ -70,17 +68,14 @@ class Repetition:
         ends: bool = True,
         extrapolation: Extrapolation | None = None,
     ):
-        self.compared = list(compared)
+        self.extremes = Extremes(compared)
         self.tolerance = tolerance
         self.ends = ends
         self.extrapolation = extrapolation
         self.count = 0
         self.distances: list[float] = []
-        self.furthest = self.compared[0]
+        self.furthest = ("", "")
         self.apart: dict[Port, float] = {}
-        self.start: dict[Port, np.ndarray] = {}
-        self.low: dict[Port, np.ndarray] = {}
-        self.high: dict[Port, np.ndarray] = {}
 
     @property
     def is_periodic(self) -> bool:
@@ -99,23 +94,22 @@ class Repetition:
 
     def begin(self, participants: Mapping) -> None:
         """Begin a period at the current state of the participants."""
-        self.start = self._read(participants)
-        self.low = dict(self.start)
-        self.high = dict(self.start)
+        self.extremes.begin(participants)
         if self.extrapolation:
             self.extrapolation.begin(participants)
 
     def note(self, participants: Mapping) -> None:
         """Add the outputs of an accepted step."""
-        for port, value in self._read(participants).items():
-            self.low[port] = np.minimum(self.low[port], value)
-            self.high[port] = np.maximum(self.high[port], value)
+        self.extremes.add(participants)
 
     def end(self, participants: Mapping) -> float:
         """End a period; return its distance from the previous one, by Eq. (Y2)."""
-        now = self._read(participants)
+        of_period = self.extremes
+        change = of_period.read(participants) - of_period.start
+        both = change, of_period.high - of_period.low
+        changes, extents = (of_period.fields(participants, one) for one in both)
         self.count += 1
-        self.apart = {port: self._apart(port, now[port]) for port in self.compared}
+        self.apart = {port: distance(changes[port], extents[port]) for port in changes}
         self.furthest = max(self.apart, key=self.apart.__getitem__)
         self.distances.append(self.apart[self.furthest])
         if self.extrapolation:
@@ -196,16 +190,11 @@ class Repetition:
             found["taken_back_periods"] = slow.taken_back
         return found
 
-    def _read(self, participants):
-        return {
-            (owner, name): np.array(participants[owner].get(name), dtype=float)
-            for owner, name in self.compared
-        }
 
-    def _apart(self, port, now):
-        change = np.sqrt(np.mean((now - self.start[port]) ** 2))
-        extent = np.sqrt(np.mean((self.high[port] - self.low[port]) ** 2))
-        return float(change / extent) if extent else 0.0  # Eq. (Y2)
+def distance(change: np.ndarray, extent: np.ndarray) -> float:
+    """Return d of a field for its change and its range by cell, Eq. (Y2)."""
+    whole = rms(extent)
+    return rms(change) / whole if whole else 0.0  # Eq. (Y2)
 
 
 def repetition(case, tree, system) -> Repetition | None:

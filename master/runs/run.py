@@ -412,7 +412,7 @@ class ActiveRun(Observer):
         """Record an accepted step, and report it."""
         begin, account = clock.perf_counter(), self.account
         row, index = self.recorder.write(time, solution), self.recorder.index
-        if account.envelopes.values:
+        if account.envelopes.kinds:
             account.envelopes.add(self.system.participants)
         if account.repetition:
             account.repetition.note(self.system.participants)

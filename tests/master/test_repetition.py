@@ -218,7 +218,8 @@ def test_envelopes_are_those_of_the_last_period_also_after_a_resume(enveloped, t
 def standing(**values):
     """Return a participant `a` with these outputs."""
     values = {name: np.array(value, dtype=float) for name, value in values.items()}
-    return {"a": SimpleNamespace(get=values.get)}
+    fields = {name: SimpleNamespace(shape=value.shape) for name, value in values.items()}
+    return {"a": SimpleNamespace(get=values.get, fields=fields)}
 
 
 def test_distance_by_hand():
