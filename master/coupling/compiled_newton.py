@@ -7,7 +7,7 @@ calls the native FMUs of this process by pointers (front/parts.c).
 import ctypes
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -165,7 +165,7 @@ class Iteration:
         self.block = np.zeros(int(first[0]))
         self.block[: len(first)] = first
         parts = parts_of(self.block)
-        parts.state[:] = _row_of(nothing_yet(given))
+        parts.state[:] = row_of(nothing_yet(given))
         self.pairs = state_from(parts.state).pairs
         self.x = np.empty(interface.size)
         self.numbers = np.zeros(NOTED + newton.max_iterations * wires)
@@ -246,13 +246,6 @@ class Iteration:
             for own, known in zip(self.pairs, memory.pairs_of(self.pairs.images.shape[1])):
                 own[...] = known
             memory.pairs = self.pairs
-
-
-def _row_of(tree: Any) -> np.ndarray:
-    """Return `row_of` a tree of numbers, faster for long arrays."""
-    if isinstance(tree, tuple):
-        return np.concatenate([_row_of(member) for member in cast(tuple[Any, ...], tree)])
-    return np.concatenate([np.shape(tree), np.ravel(tree)])
 
 
 def _variables(ends: Ends) -> int:

@@ -61,7 +61,7 @@ def row_of(tree: Any) -> np.ndarray:
     flat = np.ravel(tree)
     if np.ndim(tree) and flat.dtype in BY_BITS:
         flat = np.pad(flat, (0, -flat.nbytes % 8 // flat.itemsize)).view(float)
-    return np.array([*np.shape(tree), *flat], dtype=float)
+    return np.concatenate([np.shape(tree), flat], dtype=float)
 
 
 # ---- memory of a participant: a head, then parts

@@ -4,6 +4,7 @@ import ctypes
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -268,14 +269,11 @@ class FmuFields(DescribedFmu):
     def lister(self, names):
         """Return a function that lists the values of several scalars, see `get_many`."""
         getters = self._getters(names)
-        if len(getters) == 1:
-            return getters[0][1]
-
-        def listed():
-            values = {name: v for chosen, getter in getters for name, v in zip(chosen, getter())}
-            return [values[name] for name in names]
-
-        return listed
+        if len(getters) < 2:
+            return getters[0][1] if getters else list
+        order = [name for chosen, _ in getters for name in chosen]
+        sort = itemgetter(*map(order.index, names))
+        return lambda: [*sort([value for _, getter in getters for value in getter()])]
 
     def _getters(self, names):
         """Return names of scalars by type, each with a function that returns their values."""
