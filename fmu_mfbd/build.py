@@ -181,12 +181,13 @@ def symmetry(options: dict[str, Any], parameters: dict[str, Any], folder: Path) 
 
 
 def odd_bodies(options: dict[str, Any], folder: Path) -> list[str]:
-    """Return the reasons why reduced bodies are not their own mirror image to round-off.
+    """Return the reasons why reduced bodies and their start are not symmetric to round-off.
 
     Bodies that are not in the cache are reduced. The arguments are those of `prepare`.
     """
     build = read_options(options, folder)
-    return _asymmetries(build, _reduced(build, lambda text: None), ODD_MODE)
+    files = _reduced(build, lambda text: None)
+    return _asymmetries(build, files, ODD_MODE, read_tables(build).start)
 
 
 def prepare(
@@ -412,12 +413,14 @@ def _reduced(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict
     return dict(zip(waiting, for_all(Future.result, waiting.values()), strict=True))
 
 
-def _asymmetries(build: Build | Bodies, files: dict[str, Path], limit: float) -> list[str]:
+def _asymmetries(
+    build: Build | Bodies, files: dict[str, Path], limit: float, start: StartState | None = None
+) -> list[str]:
     """Return `asymmetries_of_bodies` of these files."""
     both = (("piston", build.piston), ("block", build.block))
     bodies = {name: load(kind_of(body), files[name]) for name, body in both if body}
     skirt = _mesh_skirt(files["piston"]) if "piston" in files else None
-    return asymmetries_of_bodies(bodies, skirt, build.grid[0], limit)
+    return asymmetries_of_bodies(bodies, skirt, build.grid[0], limit, start)
 
 
 def _reject(assumed: list[str], reasons: list[str]) -> None:

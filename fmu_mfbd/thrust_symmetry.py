@@ -13,7 +13,8 @@ from ..master.fmi.quantities import short
 from ..master.fmi.symmetry import odd_part
 from .body_options import Block, Piston
 from .dynamics.clearance import measured
-from .dynamics.half_films import ODD_MODE, ODD_SHAPE, mirror_error, on_cells
+from .dynamics.half_films import ODD_MODE, ODD_SHAPE, mirror_error, odd_start, on_cells
+from .dynamics.start_state import StartState
 from .geometry.grid import cell_centres
 from .geometry.profile import BoreOrder, MeasuredShape, fourier_bore
 from .options import Bodies, Build
@@ -99,6 +100,7 @@ def asymmetries_of_bodies(
     skirt: np.ndarray | None,
     around: int,
     limit: float = ODD_COMPLIANCE,
+    start: StartState | None = None,
 ) -> list[str]:
     """Return the reasons why reduced bodies are not their own mirror image.
 
@@ -111,8 +113,12 @@ def asymmetries_of_bodies(
         c.
     limit : float
         Largest relative asymmetry of a compliance [-].
+    start : StartState, optional
+        Motion at the start. Default: undeformed bodies.
     """
     found = []
+    if odd := odd_start(start, [*bodies.values()], around):
+        found.append(f"build.start (odd deflection of {short(odd, 'm')})")
     for name, body in bodies.items():
         error = mirror_error(body, around)
         if error > limit:

@@ -168,7 +168,7 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
     half: Sequence[FilmSurface] = ()
     in_plane = not (options.in_space or options.block.bore_from_outside)
     if needs.film_symmetry != FILM_SYMMETRIES[0] and in_plane:
-        half = half_films(films, (piston, block))
+        half = half_films(films, (piston, block), options.start)
     contiguous = np.ascontiguousarray
     return BodySetup(
         fit=fit_of(bodies, options, bodies.radii()),

@@ -18,16 +18,17 @@ from ..reduction.reduced_body import ReducedBody
 from .contradictions import FAULT
 from .parameters import Settings
 from .skirt_films import cells_of, field_of
+from .start_state import StartState
 
 ODD_SHAPE = 1e-9
-"""Odd part of a profile or a bore that is round-off [m]: the tolerance of film thickness in a
-coupling."""
+"""Odd part of a profile, a bore or a start that is omitted [m]: a tenth of the tolerance of film
+thickness in a coupling."""
 ODD_MODE = 1e-6
 """Odd part of a mode that is round-off, relative to the mode."""
 
 
 def half_films(
-    films: Sequence[FilmSurface], bodies: Sequence[ReducedBody]
+    films: Sequence[FilmSurface], bodies: Sequence[ReducedBody], start: StartState | None = None
 ) -> tuple[FilmSurface, ...]:
     """Return one half of film surfaces in a common bore, none if they are not symmetric.
 
@@ -37,10 +38,14 @@ def half_films(
         Before `clearance.machined`, whose parameters are symmetric except `pin_tilt`.
     bodies : sequence of ReducedBody
         Piston and block.
+    start : StartState, optional
+        Motion at the start. Default: undeformed bodies.
     """
     around = len(films[0].skirt.angle)
     bore = films[0].bore
     if around % 2 or any(mirror_error(one, around) > ODD_MODE for one in bodies):
+        return ()
+    if odd_start(start, bodies, around):
         return ()
     shapes = [bore.shape.T, *(one.skirt.gap for one in films)]
     if any(np.abs(odd_part(shape)).max(initial=0.0) > ODD_SHAPE for shape in shapes):
@@ -90,6 +95,33 @@ def mirror_error(body: ReducedBody, around: int) -> float:
         float((np.tensordot(answer, one, ([0, 1], [0, 1])) ** 2).sum()) for one in (answer, image)
     )
     return float(np.sqrt(max(0.0, 2 * (1 - mirrored / whole))))  # Eq. (J48)
+
+
+def odd_start(start: StartState | None, bodies: Sequence[ReducedBody], around: int) -> float:
+    """Return the largest odd deflection of a surface in the motion at the start [m].
+
+    A velocity counts as the amplitude of its free vibration. The result is 0 for round-off, and for
+    a start of other bodies, which `check_modes` rejects.
+
+    Parameters
+    ----------
+    start : StartState or None
+    bodies : sequence of ReducedBody
+        Piston and block.
+    around : int
+        Number of circumferential cells.
+    """
+    count = sum(len(body.omega) for body in bodies)
+    if start is None or {len(start.modal_coordinate), len(start.modal_velocity)} != {count}:
+        return 0.0
+    found, first = 0.0, 0
+    for body in bodies:
+        own = slice(first, first + len(body.omega))
+        first = own.stop
+        shapes = odd_part(on_cells(body, around))
+        for amplitude in (start.modal_coordinate[own], start.modal_velocity[own] / body.omega):
+            found = max(found, float(np.abs(shapes @ amplitude).max(initial=0.0)))
+    return found if found > ODD_SHAPE else 0.0
 
 
 def on_cells(body: ReducedBody, around: int) -> np.ndarray:

@@ -10,7 +10,9 @@ import pytest
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
 from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, faults
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
+from piston_cosim.fmu_mfbd.dynamics.half_films import half_films
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.dynamics.start_state import SCALARS, StartState
 from piston_cosim.fmu_mfbd.preview import preview
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 from piston_cosim.fmu_mfbd.thrust_symmetry import (
@@ -117,3 +119,25 @@ def test_the_fmu_rejects_a_tilted_pin(even):
         (replace(options, symmetric_film=False), tilted),
     ):
         assert not any("pin_tilt" in one for one in faults(bodies, given, parameters))
+
+
+def test_a_start_in_odd_modes_is_not_symmetric():
+    """An odd mode with 2 rad/s, whose largest value is 1, by hand.
+
+    A velocity of 6 nm/s has an amplitude of 3 nm. Even modes and 1 pm have no effect.
+    """
+    even, odd = np.sin(THETA), np.cos(THETA)
+    bodies = {"piston": body(even), "block": body(even, odd)}
+    still, rest = dict.fromkeys(SCALARS, 0.0), np.zeros(3)
+
+    def reasons(coordinate, velocity):
+        start = StartState(**still, modal_coordinate=coordinate, modal_velocity=velocity)
+        return asymmetries_of_bodies(bodies, None, 8, start=start)
+
+    assert reasons(np.array([1e-6, 2e-6, 1e-12]), rest) == []
+    assert reasons(np.ones(2), rest) == []  # the build rejects another number of modes
+    assert reasons(np.array([0, 0, 5e-9]), rest) == ["build.start (odd deflection of 5 nm)"]
+    assert reasons(rest, np.array([0, 1, 6e-9])) == ["build.start (odd deflection of 3 nm)"]
+    film = SimpleNamespace(skirt=SimpleNamespace(angle=THETA), bore=None)
+    uneven = StartState(**still, modal_coordinate=np.array([0, 0, 5e-9]), modal_velocity=rest)
+    assert half_films([film], [*bodies.values()], uneven) == ()
