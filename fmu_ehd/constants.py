@@ -5,7 +5,8 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compilable, compiled
-from ..master.fmi.symmetry import first_odd, half_grid
+from ..master.fmi.odd_cells import first_odd
+from ..master.fmi.symmetry import half_grid
 from . import step_parts as parts
 from .balance import oil_layer, openings
 from .balance.film_step import Domain

@@ -10,7 +10,8 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
 from ...master.fmi.noted import refuse
-from ...master.fmi.symmetry import THRUST_PLANE, WHOLE, first_odd, half_grid, odd_part
+from ...master.fmi.odd_cells import first_odd
+from ...master.fmi.symmetry import THRUST_PLANE, WHOLE, half_grid, odd_part
 from ..geometry.film import BoreSplines, FilmSurface, NodalForces
 from ..geometry.modal_field import half_field
 from ..geometry.surfaces import count_of, surface_at

@@ -66,6 +66,12 @@ def test_participants_have_the_code_of_their_own_fmus(coupled):
     assert len(inside) == 3
 
 
+def test_only_a_first_start_reports_that_it_compiles(coupled):
+    """Participants report it. The code that couples them has nothing to compile."""
+    started(coupled).close()
+    assert not [text for _, text in started(coupled).log if "compiling" in text]
+
+
 def codes_in(fmu):
     """Names of the packages of code that an FMU carries."""
     with zipfile.ZipFile(fmu) as archive:

@@ -13,7 +13,9 @@ from ..command import script
 ROOT = Path(__file__).parents[2]
 PARTS = ("fmu_ehd", "fmu_mfbd", "master")
 NAMES = {"piston_cosim", "models", *PARTS}
-OF_KERNELS = {f"master.fmi.{name}" for name in ("compiled", "block", "noted", "symmetry")}
+OF_KERNELS = {
+    f"master.fmi.{name}" for name in ("compiled", "block", "noted", "odd_cells", "symmetry")
+}
 """What kernels are made with, which knows nothing of FMI either."""
 OUTER = {
     "user_input.py",
