@@ -58,7 +58,6 @@ from .dynamics.step import (
     GAS,
     START_PASSES,
     BodyModel,
-    Linearisation,
     StepInputs,
     at_rest,
     coordinates_of,
@@ -67,7 +66,6 @@ from .dynamics.step import (
     has_pins,
     instant_of,
     is_started,
-    linearised,
     modes_of,
     others_at,
     response_to,
@@ -185,8 +183,7 @@ class NativeSetup(NamedTuple):
     """Constant part of a memory.
 
     start_given, start_angle, start_speed, start_position, start_velocity : start of the build
-    options, if there is one; has_common : whether derivatives have a common part; evaluations,
-    tangents : work so far.
+    options, if there is one; evaluations, tangents : work so far.
     """
 
     places: VariablePlaces
@@ -196,7 +193,6 @@ class NativeSetup(NamedTuple):
     start_speed: float
     start_position: Annotated[np.ndarray, "coordinates"]
     start_velocity: Annotated[np.ndarray, "coordinates"]
-    has_common: Number
     evaluations: Number
     tangents: Number
 
@@ -204,8 +200,8 @@ class NativeSetup(NamedTuple):
 class BodyMemory(NamedTuple):
     """Parts of the memory.
 
-    They are rows of `NativeSetup`, `BodyModel`, `PistonState`, that at the start, `StepEnd` and
-    `Linearisation`, and the faults.
+    They are rows of `NativeSetup`, `BodyModel`, `PistonState`, that at the start, and `StepEnd`,
+    and the faults.
     """
 
     given: np.ndarray
@@ -213,7 +209,6 @@ class BodyMemory(NamedTuple):
     state: np.ndarray
     begun: np.ndarray
     last: np.ndarray
-    common: np.ndarray
     faults: np.ndarray
 
 
@@ -227,11 +222,9 @@ put_model, model_from = flatten(BodyModel)
 put_state, state_from = flatten(PistonState)
 is_state = alike(PistonState)
 put_last, last_from = flatten(StepEnd)
-put_common, common_from = flatten(Linearisation)
 length_of_model = length_of(BodyModel)
 _room_of_state = room_of(PistonState, "n, w, s")
 _room_of_last = room_of(StepEnd, "n, m")
-_room_of_common = room_of(Linearisation, "n, m")
 
 
 @compilable
@@ -240,7 +233,7 @@ def lengths_of(setup: NativeSetup, model: int):
     n = len(setup.start_position)
     m = max(n, len(FIXED))
     state = _room_of_state(n, 0, 0)
-    return model, state, state, _room_of_last(m, m), _room_of_common(m, m), int(ROOM)
+    return model, state, state, _room_of_last(m, m), int(ROOM)
 
 
 def given(slave: Any) -> np.ndarray:
@@ -267,7 +260,6 @@ def given(slave: Any) -> np.ndarray:
         start_speed=begin.rotation_speed if begin else 0.0,
         start_position=begin.position() if begin else np.zeros(n),
         start_velocity=begin.velocity() if begin else np.zeros(n),
-        has_common=np.zeros(1),
         evaluations=np.zeros(1),
         tangents=np.zeros(1),
     )
@@ -457,7 +449,6 @@ def solve(real, integer, memory, c, before, crank, time):
     publish(real, integer, given, model, result)
     put_last(parts.last, result.last)
     put_state(parts.state, result.state)
-    given.has_common[0] = 0.0
 
 
 # ---- entries
@@ -552,20 +543,15 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     model = model_from(parts.model)
     last = last_from(parts.last)
     places = given.places
-    if given.has_common[0] == 0.0 and not has_pins(model):
-        put_common(parts.common, linearised(model, last))
-        given.has_common[0] = 1.0
-        given.tangents[0] += 1.0
     carried = get_each(real, places.carrier_seed)
-    found = response_to(model, last, common_from(parts.common), seeds_of(real, places), carried)
+    found = response_to(model, last, seeds_of(real, places), carried)
     change = found.change
     put_films(real, places.skirt_tangent, change.film_thickness, change.sliding_velocity)
     put_films(real, places.pins_tangent, found.film_thickness, found.circumferential_velocity)
     motion = change.lateral_velocity, change.rocking_velocity, change.piston_velocity
     put_each(real, places.motion_product, motion)
     if model.mounted:
-        unbalance = model.settings.crank_unbalance
-        force = force_change(model.parts.system, unbalance, last, change, carried)
+        force = force_change(model.parts.system, last, change, carried)
         put_each(real, places.on_block_product, force)
 
 

@@ -1,7 +1,7 @@
 """Motion.
 
 slider_crank       rigid crank and rod (K)
-piston_motion      the piston's equations of motion
+piston_motion      coordinates and load of the piston
 quasi_static       modes too fast for the step
 system             bodies, mechanism and films together
 skirt_films        all films of the skirt

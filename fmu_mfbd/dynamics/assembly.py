@@ -23,6 +23,7 @@ from ..geometry.surfaces import (
     row_at,
     with_room,
 )
+from ..mechanism.tied_pin import tied_pin
 from ..reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, ReducedShell, load
 from .bore_from_outside import outside_bore
 from .build_options import BuildOptions, FloatingPin
@@ -211,25 +212,28 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     k = moving_modes(setup.piston_omega, p)
     on_block = modal_springs(setup.block_omega, p)
     m = moving_modes(setup.block_omega, p)
+    piston = FlexibleBody(
+        body.mass,
+        body.S,
+        body.I0,
+        body.T[:, :k].copy(),
+        body.b[:k].copy(),
+        body.B[:k, :k].copy(),
+        body.g[:k].copy(),
+        body.G[:k, :k].copy(),
+        springs.stiffness[:k],
+        springs.damping[:k],
+    )
+    slider_crank = mechanism(fit.piston_radius, fit.pin_offset, p)
     system = BodySystem(
-        FlexibleBody(
-            body.mass,
-            body.S,
-            body.I0,
-            body.T[:, :k].copy(),
-            body.b[:k].copy(),
-            body.B[:k, :k].copy(),
-            body.g[:k].copy(),
-            body.G[:k, :k].copy(),
-            springs.stiffness[:k],
-            springs.damping[:k],
-        ),
+        piston,
         StaticModes(
             springs.stiffness[k:], body.T[:, k:].copy(), body.b[k:].copy(), body.g[k:].copy()
         ),
         ModalSprings(on_block.stiffness[:m], on_block.damping[:m]),
         standing(on_block.stiffness[m:]),
-        mechanism(fit.piston_radius, fit.pin_offset, p),
+        slider_crank,
+        tied_pin(piston, slider_crank, p.crank_unbalance),
         machined(films, fit, p),
         fit.pin_offset,
         setup.gas_force,

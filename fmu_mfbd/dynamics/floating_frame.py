@@ -295,11 +295,3 @@ def mode_coupling(body: FlexibleBody, alpha: float, w: float, c1: float, c2: flo
 def whole(arrow: Arrow, coupling: np.ndarray) -> np.ndarray:
     """Return the tangent as one matrix, (m + k, m + k)."""
     return np.vstack([arrow.top, np.hstack([arrow.left, np.diag(arrow.diagonal) + coupling])])
-
-
-@compiled
-def in_frame(ax: float, ay: float, angle: float) -> tuple[float, float]:
-    """Return a vector's components in a frame turned by an angle [rad]."""
-    c = np.cos(angle)
-    s = np.sin(angle)
-    return c * ax + s * ay, -s * ax + c * ay

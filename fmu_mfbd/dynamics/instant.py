@@ -1,6 +1,6 @@
 """End of a step of the bodies: from predicted motion and forces to accelerations and outputs.
 
-The equations are in `film`, `piston_motion` and `slider_crank`.
+The equations are in `film` and `mechanism.equations`.
 """
 
 from typing import NamedTuple
@@ -12,7 +12,12 @@ from ..geometry.film import (
     FilmForces,
     NodalForces,
 )
-from .carrier import carried
+from ..mechanism.equations import friction_at
+from ..mechanism.inertia import frame_state
+from ..mechanism.motion import increments_of
+from ..mechanism.solution import solve_motion
+from ..mechanism.tied_pin import PISTON, ROD, loads_of
+from .block_force import BlockForce, block_force
 from .energy import (
     EnergyLedger,
     Momenta,
@@ -23,18 +28,11 @@ from .energy import (
     momentum,
     other_forces,
 )
-from .floating_frame import in_frame
+from .floating_frame import TURN, X, Y
 from .gas_on_bore import wall_forces
 from .generalised_alpha import Motion, Prediction, predict
 from .impact import Inertia, limit_memory
-from .piston_motion import (
-    LATERAL,
-    RIGID,
-    ROCKING,
-    Load,
-    end_accelerations,
-    lateral_motion,
-)
+from .piston_motion import RIGID, Load
 from .quasi_static import STILL, FrameAcceleration, follow, static_coordinates
 from .skirt_films import (
     AxialMotion,
@@ -44,7 +42,7 @@ from .skirt_films import (
     skirt_films,
     together,
 )
-from .slider_crank import carried_mass, height, motion
+from .slider_crank import carried_mass, height
 from .system import BodySystem, OtherForces, StepProblem
 
 
@@ -81,7 +79,7 @@ class Instant(NamedTuple):
     pin_friction_power : float
         What that friction turns into heat [W].
     evaluations, tangents, change : int, int, float
-        As of `piston_motion.Solution`.
+        As of `mechanism.solution.ChainSolution`.
     """
 
     end: Motion
@@ -110,7 +108,7 @@ def end_of_step(
     system: BodySystem,
     step: StepProblem,
     forces: NodalForces,
-) -> Instant:
+) -> tuple[Instant, BlockForce]:
     """Solve the equations of motion at the end of a step, with the forces there.
 
     Parameters
@@ -119,6 +117,10 @@ def end_of_step(
     step : StepProblem
     forces : NodalForces
         On all film grids at its end, stacked [N].
+
+    Returns
+    -------
+    Instant, BlockForce
     """
     c, before, auxiliary, _, crank, others = step
     mechanism = system.mechanism
@@ -131,19 +133,19 @@ def end_of_step(
     push = with_gas(system, film_forces.piston, others.gas)
     block_push = film_forces.block + wall_forces(system.wall, guided.height, others.wall)
     load = load_of(system, film_forces, others, push[: n - RIGID])
-    own = end_accelerations(
-        system.piston,
-        mechanism,
-        load,
+    own = solve_motion(
+        system.chain,
+        loads_of(load),
         Prediction(predicted.position[:n], predicted.velocity[:n], predicted.auxiliary[:n]),
         before.acceleration[:n],
+        increments_of(c, n),
         crank,
-        c.to_velocity,
-        c.to_position,
+        others.carrier,
     )
-    lack = own.lack
-    end = _moving(system, c, predicted, own.acceleration, block_push)
-    ride = _frame_ride(mechanism, others.carrier, end, crank)
+    at = own.forces.motion
+    end = _moving(system, c, predicted, own.now.acceleration, block_push)
+    frame = frame_state(own.forces.inertia.frames, PISTON)
+    ride = FrameAcceleration(frame.ax, frame.ay, frame.alpha, frame.w**2)
     _follow_statically(system, c, before.position, end, push, block_push, ride)
     for k in range(len(end.acceleration)):
         predicted.auxiliary[k] += c.to_auxiliary * end.acceleration[k]
@@ -151,12 +153,10 @@ def end_of_step(
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
     limit_memory(moving.rigid, before, kept, predicted.auxiliary, c.step)
 
-    rod = motion(mechanism, lateral_motion(end), crank).rod
-    now = height(mechanism, end.position[LATERAL], crank.angle)
-    axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
-    films = skirt_films(system, guided, forces, parts, axial_velocity, end.position, end.velocity)
+    axial = AxialMotion(at.position[PISTON, Y], at.velocity[PISTON, Y])
+    films = skirt_films(system, guided, forces, parts, axial.velocity, end.position, end.velocity)
     with_rod = _moving_bodies(system, carried_mass(mechanism))
-    axial_power = film_forces.axial * axial_velocity + films.on_slopes * guided.velocity
+    axial_power = film_forces.axial * axial.velocity + films.on_slopes * guided.velocity
     by_film = by_coordinate(film_forces)
     momenta = Momenta(
         momentum(with_rod, before.velocity),
@@ -165,7 +165,9 @@ def end_of_step(
         momentum(moving, kept.velocity),
     )
     elastic = elastic_energy(moving, end.position)
-    return Instant(
+    pin = own.forces.joints
+    rubbing = friction_at(system.chain.joints, at, pin, PISTON).moment
+    instant = Instant(
         end=end,
         kept=kept,
         auxiliary=predicted.auxiliary,
@@ -176,16 +178,17 @@ def end_of_step(
         load=load,
         side_force=-film_forces.lateral,
         films=films,
-        axial=AxialMotion(now.height, axial_velocity),
-        pin_x=lack.pin_x,
-        pin_y=lack.pin_y - films.on_slopes,
-        pin_moment=lack.pin_moment,
-        torque=lack.torque - films.on_slopes * upright.lever,
-        pin_friction_power=lack.pin_moment * (rod.velocity - end.velocity[ROCKING]),
+        axial=axial,
+        pin_x=pin[PISTON, X],
+        pin_y=pin[PISTON, Y] - films.on_slopes,
+        pin_moment=rubbing,
+        torque=own.forces.torque - films.on_slopes * upright.lever,
+        pin_friction_power=rubbing * (at.velocity[ROD, TURN] - at.velocity[PISTON, TURN]),
         evaluations=own.evaluations,
         tangents=own.tangents,
         change=own.change,
     )
+    return instant, block_force(load, own.forces.on_block)
 
 
 @compilable
@@ -274,15 +277,3 @@ def _follow_statically(system, c, position_before, end, push, block_force, ride)
     first = RIGID + len(push) + moving
     q = static_coordinates(system.block_static, block_force[moving:], STILL)
     follow(end.position, end.velocity, position_before, q, first, c.step)
-
-
-@compiled
-def _frame_ride(mechanism, carrier, now, crank):
-    """Return the motion of the piston's frame, as its static modes need it."""
-    lateral = lateral_motion(now)
-    axial = motion(mechanism, lateral, crank).axial_acceleration
-    added = carried(mechanism, carrier, lateral, crank)
-    angle = now.position[ROCKING]
-    x, y = in_frame(lateral.acceleration + added.x, axial + added.y, angle)
-    spin = now.velocity[ROCKING] + carrier.w
-    return FrameAcceleration(x, y, now.acceleration[ROCKING] + carrier.alpha, spin**2)

@@ -3,7 +3,7 @@
 from copy import copy
 from dataclasses import dataclass, field, replace
 from math import prod
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +29,6 @@ from .state import PistonState, problem_of, step_coefficients
 from .step import (
     START_PASSES,
     BodyModel,
-    Linearisation,
     StepInputs,
     StepResult,
     at_rest,
@@ -39,7 +38,6 @@ from .step import (
     has_pins,
     instant_of,
     is_started,
-    linearised,
     modes_of,
     others_at,
     response_to,
@@ -289,7 +287,6 @@ class PistonInBore:
         self.jacobian_evaluations += now.tangents
         result = result_of(self.model, before, step, time, instant, given)
         self._last = result.last
-        self._common: Linearisation | None = None
         outputs = self._outputs(result)
         if self.outside:
             on_bore = self._film_on_bore(self.outside, inputs.pressure_force)
@@ -428,8 +425,7 @@ class PistonInBore:
         }
         if model.mounted:
             names = (*ON_BLOCK, *BEARINGS) if self.outside else ON_BLOCK
-            unbalance = model.settings.crank_unbalance
-            on_block = force_change(self.system, unbalance, last, change, carried)
+            on_block = force_change(self.system, last, change, carried)
             products |= dict(zip(names, on_block))
         if self.outside:
             products["force_on_bore"] = self._film_on_bore(self.outside, pressure_force)
@@ -438,11 +434,7 @@ class PistonInBore:
 
     def _response(self, seeds: StepInputs, carried: np.ndarray) -> PinResponse:
         """Return the change of films and motion with forces and the block's motion (4,)."""
-        if self._common is None and not self.pins:
-            self._common = linearised(self.model, self._last)
-            self.jacobian_evaluations += 1
-        common = cast(Linearisation, self._common)  # pins need none
-        return response_to(self.model, self._last, common, seeds, carried)
+        return response_to(self.model, self._last, seeds, carried)
 
     def widened(self, bore_deflection: np.ndarray) -> dict[str, np.ndarray]:
         """Return the change of film thickness with a bore's deflection from outside, by output.

@@ -4,7 +4,7 @@ The coordinates are [x_A, rocking angle, z, roll, yaw].
 
 z is the shift of A along the pin, +z; roll and yaw are rotations about x and y of the axes that
 turn with the rocking angle. They are small, and the equations of first order in them; the motion in
-the plane is that of `piston_motion`. The rod stays in its plane: its eye slides along the pin, and
+the plane is that of `mechanism`. The rod stays in its plane: its eye slides along the pin, and
 holds it square by what `Stop` says.
 
 How stiff rod and eye are. The rod's bending across its plane, 3 E I/L = 95 kN m/rad for a web of
@@ -262,7 +262,7 @@ def imbalance(
                 G = R F - load,   T = G + m_pin A''
     F, M of Eq. (D26), of piston and pin; G: force of the pin on the piston; T: that of the rod on
     the pin, square to it, in the rod's plane; M: friction of the pin (Eq. (K7)); K: what stops and
-    dampers hold (Eq. (K17)); p: the pin offset. With z = roll = yaw = 0 the first two are Eq. (D5).
+    dampers hold (Eq. (K17)); p: the pin offset. With z = roll = yaw = 0 the pin is tied.
     Gas stays on the bore's axis and leans with the crown: upright, it would not balance the rod's
     force under a pin that has rolled with the piston. The moment about A that leaning has by the
     height of the rings is left out, as it is in the plane (Eq. (D8)).

@@ -196,7 +196,9 @@ class PistonInSpace(PistonInBore):
             tangents=solved.tangents,
             change=solved.change,
         )
-        return tied(instant)
+        unbalance = self.model.settings.crank_unbalance
+        on_block, self._across = block_force(self.bodies, load, unbalance, end, crank, lack)
+        return tied(instant, on_block)
 
     def _films(
         self,
@@ -255,7 +257,7 @@ class PistonInSpace(PistonInBore):
         """Solve Eq. (D27) for the accelerations at the end of a step, by Newton's method.
 
         If the next change is no smaller than a change, that change is halved, and where changes
-        fall slowly the tangent is recomputed, as in `piston_motion.end_accelerations`.
+        fall slowly the tangent is recomputed, as in `mechanism.solution`.
         """
         predicted = predict(c, before, auxiliary)
         acceleration = before.acceleration.copy()
@@ -313,15 +315,11 @@ class PistonInSpace(PistonInBore):
         """Return the outputs of a piston in its plane, and those across it."""
         now = result.instant.now
         shift, roll, yaw = now.end.position[IN_SPACE]
-        _, solved, crank, *_ = self._space
+        solved = self._space.solved
         motion = (shift, self.bodies.tilt + roll, yaw, *now.kept.velocity[IN_SPACE])
-        unbalance = self.model.settings.crank_unbalance
-        on_block, across = block_force(
-            self.bodies, solved.load, unbalance, solved.end, crank, solved.lack
-        )
         held = -solved.load.across[0], *solved.lack.held
-        scalars = SpaceScalars._make([*motion, *held, *across])
-        return super()._outputs(result) | on_block._asdict() | scalars._asdict()
+        scalars = SpaceScalars._make([*motion, *held, *self._across])
+        return super()._outputs(result) | scalars._asdict()
 
     def _response(self, seeds: StepInputs, carried: np.ndarray) -> PinResponse:
         """Return the change of the skirt's films and of the motion with forces.

@@ -9,8 +9,9 @@ from ...master.fmi.compiled import compilable
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import pins_of
+from ..mechanism.tied_pin import tied_forces
 from .account import EnergyAccount, account
-from .block_force import BlockForce, force_at
+from .block_force import BlockForce
 from .carrier import Carrier, carrier_from
 from .contradictions import FAULT
 from .drive import Scalars, demand_of, moved_inertia, scalars_of
@@ -24,8 +25,8 @@ from .pin_coordinates import layout
 from .pin_films import PinSystem
 from .pin_instant import PinInstant, PinScalars, end_of_pin_step
 from .pin_response import PinResponse, respond_pin
-from .piston_motion import RIGID, imbalance
-from .response import Linearisation, StepEnd, linearise, response
+from .piston_motion import RIGID
+from .response import StepEnd, response
 from .slider_crank import CrankMotion, driven
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, state_at
@@ -38,9 +39,6 @@ GAS = namedtuple("GasSource", GAS_SOURCES)(*range(1, 1 + len(GAS_SOURCES)))
 
 NO_PIN = PinScalars(*[0.0] * len(PinScalars._fields))
 """Scalars of a pin that is tied."""
-
-NO_BLOCK_FORCE = BlockForce(*[0.0] * len(BlockForce._fields))
-"""Forces on the block of a tied pin before they are known."""
 
 START_PASSES = 40
 """Most passes to the start of a free crank; each gains a digit or more."""
@@ -145,7 +143,7 @@ def modes_of(model: BodyModel) -> tuple[int, int]:
 def set_damping(model: BodyModel, p: Any) -> None:
     """Overwrite the damping of all modes but the shapes of a pin, by Eq. (I5)."""
     system, bodies = model.parts.system, model.parts.bodies
-    put_damping(system.piston.damping, system.piston.stiffness, p)
+    put_damping(system.chain.bodies.damping, system.chain.bodies.stiffness, p)
     put_damping(system.block.damping, system.block.stiffness, p)
     put_damping(bodies.piston.damping, bodies.piston.stiffness, p)
     put_damping(bodies.shells.damping, bodies.shells.stiffness, p)
@@ -255,14 +253,15 @@ def instant_of(model: BodyModel, step: StepProblem, inputs: StepInputs) -> PinIn
     """Return everything at the end of a step; its evaluations are 0 if it is not solved."""
     if has_pins(model):
         return end_of_pin_step(model.parts, step, inputs.skirt, inputs.pins)
-    return tied(end_of_step(model.parts.system, step, inputs.skirt))
+    now, on_block = end_of_step(model.parts.system, step, inputs.skirt)
+    return tied(now, on_block)
 
 
 @compilable
-def tied(now: Instant) -> PinInstant:
+def tied(now: Instant, on_block: BlockForce) -> PinInstant:
     """Return an instant of a piston whose pin is tied."""
     none = np.zeros(0)
-    return PinInstant(now, none, none, none, NO_PIN, no_factors(), NO_BLOCK_FORCE)
+    return PinInstant(now, none, none, none, NO_PIN, no_factors(), on_block)
 
 
 @compilable
@@ -325,9 +324,6 @@ def result_of(
             now.ledger.axial_work,
         )
     inertia = settings.crank_inertia + moved_inertia(system, step.crank.angle)
-    on_block = instant.on_block
-    if not has_pins(model):
-        on_block = force_at(system, settings.crank_unbalance, last)
     return StepResult(
         instant,
         scalars_of(
@@ -341,7 +337,7 @@ def result_of(
         ),
         step.others,
         demand_of(system, step.others, step.crank),
-        on_block,
+        instant.on_block,
         state,
         last,
     )
@@ -355,10 +351,10 @@ def released(model: BodyModel, last: StepEnd, crank: CrankMotion, torque: float)
 
     `torque` is the left side at the acceleration of `crank` [N m].
     """
-    piston, mechanism = model.parts.system.piston, model.parts.system.mechanism
+    chain = model.parts.system.chain
     faster = CrankMotion(crank.angle, crank.speed, crank.acceleration + 1.0)
-    there = imbalance(piston, mechanism, last.load, last.now, faster).torque
-    here = imbalance(piston, mechanism, last.load, last.now, crank).torque
+    there = tied_forces(chain, last.load, last.now, faster).torque
+    here = tied_forces(chain, last.load, last.now, crank).torque
     inertia = there - here + model.settings.crank_inertia
     return crank.acceleration - torque / inertia  # Eq. (K9)
 
@@ -367,27 +363,17 @@ def released(model: BodyModel, last: StepEnd, crank: CrankMotion, torque: float)
 
 
 @compilable
-def linearised(model: BodyModel, last: StepEnd) -> Linearisation:
-    """Return what the derivatives of a tied pin share."""
-    return linearise(model.parts.system, last)
-
-
-@compilable
 def response_to(
-    model: BodyModel,
-    last: StepEnd,
-    common: Linearisation,
-    seeds: StepInputs,
-    carried: np.ndarray,
+    model: BodyModel, last: StepEnd, seeds: StepInputs, carried: np.ndarray
 ) -> PinResponse:
     """Return the change of films and motion with forces and the block's motion (4,).
 
-    See Eqs. (D7) and (D23). A floating pin needs nothing of `common`.
+    See Eqs. (D7) and (D23).
     """
     system = model.parts.system
     if has_pins(model):
         return respond_pin(model.parts, last, seeds.skirt, seeds.rings, seeds.pins)
     none = np.zeros(0)
     carrier = carrier_from(carried)
-    found = response(system, last, common, seeds.skirt, seeds.rings, carrier)
+    found = response(system, last, seeds.skirt, seeds.rings, carrier)
     return PinResponse(found, none, none)

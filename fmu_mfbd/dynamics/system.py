@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from ..geometry.arrays import Vector
+from ..mechanism.chain import Chain
 from .carrier import FIXED, Carrier
 from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, WallPressures
@@ -15,6 +16,8 @@ from .slider_crank import CrankMotion, Mechanism
 class BodySystem(NamedTuple):
     """Both bodies, the mechanism and the geometry of all films.
 
+    `chain` are the bodies on a tied pin (`mechanism.tied_pin`).
+
     Of each body, the modes that move and, after them, those that follow statically. gas_force (k +
     s,) is the modal force of a unit gas force on the crown [kg^-1/2], pin_offset x of A from the
     skirt's axis [m]. All film surfaces are one block (`geometry.surfaces`). Fields of all of them
@@ -26,6 +29,7 @@ class BodySystem(NamedTuple):
     block: ModalSprings
     block_static: StaticModes
     mechanism: Mechanism
+    chain: Chain
     surfaces: Vector
     pin_offset: float
     gas_force: Vector

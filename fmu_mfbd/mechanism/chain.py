@@ -14,6 +14,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..dynamics.floating_frame import FlexibleBody
+from ..dynamics.pin_friction import PinFriction
 from ..geometry.arrays import Matrix, Numbers, Vector
 
 BLOCK = -1
@@ -23,6 +24,9 @@ NONE = -1
 """Number of a coordinate that does not exist."""
 
 NO_MOUNTS = np.zeros((3, 3, 3))
+
+SMOOTH = PinFriction(0.0, 1.0, 0.0)
+"""Friction of a joint that has none."""
 
 
 class Bodies(NamedTuple):
@@ -74,6 +78,8 @@ class Joints(NamedTuple):
         [m], length 0 unless the body is a rod that swings.
     tip : ndarray, shape (n, m)
         [-]
+    friction_lever, friction_speed, friction_damping : ndarray, shape (n,)
+        As of `PinFriction`.
     """
 
     parent: Numbers
@@ -85,6 +91,9 @@ class Joints(NamedTuple):
     rod_length: Vector
     offset: Vector
     tip: Matrix
+    friction_lever: Vector
+    friction_speed: Vector
+    friction_damping: Vector
 
 
 class Elements(NamedTuple):
@@ -96,6 +105,8 @@ class Elements(NamedTuple):
         Numbers of bodies.
     marker, point : ndarray, shape (e, 2)
         [m]
+    at_point : ndarray, shape (e,)
+        1 if the moment of the force is about the point, 0 if it is about the marker [-].
     """
 
     acts: Numbers
@@ -104,6 +115,7 @@ class Elements(NamedTuple):
     axes: Numbers
     marker: Matrix
     point: Matrix
+    at_point: Vector
 
 
 class Chain(NamedTuple):
@@ -137,7 +149,7 @@ class Loads(NamedTuple):
     ----------
     wrench : ndarray, shape (e, 4)
         Force on the body that the element acts on, in the block's axes [N], its moment about the
-        element's marker, and the moment of the reaction about its point [N m].
+        element's marker, or its point, and the moment of the reaction about its point [N m].
     modal : ndarray, shape (k,)
         [kg^-1/2 N]
     """
@@ -176,6 +188,8 @@ class Link(NamedTuple):
         x of the tip: factor of each coordinate [-].
     offset : float
         x of the tip if all coordinates are 0 [m].
+    friction : PinFriction
+        Of the joint of a body that is no rod that swings.
     """
 
     body: FlexibleBody
@@ -188,6 +202,7 @@ class Link(NamedTuple):
     rod_length: float = 0.0
     tip: Mapping[int, float] = {}
     offset: float = 0.0
+    friction: PinFriction = SMOOTH
 
 
 class Element(NamedTuple):
@@ -204,6 +219,8 @@ class Element(NamedTuple):
         Body that the point of the reaction moves with, and body that the force turns with.
     marker, point : tuple of float
         Centres of the moments of force and reaction, in the axes of `acts` and `carrier` [m].
+    at_point : bool
+        Whether the moment of the force is about the point instead of the marker.
     """
 
     acts: int
@@ -212,6 +229,7 @@ class Element(NamedTuple):
     axes: int = BLOCK
     marker: tuple[float, float] = (0.0, 0.0)
     point: tuple[float, float] = (0.0, 0.0)
+    at_point: bool = False
 
 
 def stack_bodies(bodies: Sequence[FlexibleBody]) -> Bodies:
@@ -277,8 +295,17 @@ def chain_of(
         row[list(link.tip)] = list(link.tip.values())
     numbers = {name: whole(links, name) for name in ("parent", "play", "angle")}
     factors = {name: real(links, name) for name in ("sign", "driven", "rod_length", "offset")}
-    joints = Joints(marker=real(links, "marker", (2,)), tip=tip, **numbers, **factors)
+    lever, speed, damping = np.array([link.friction for link in links]).T.copy()
+    joints = Joints(
+        marker=real(links, "marker", (2,)),
+        tip=tip,
+        friction_lever=lever,
+        friction_speed=speed,
+        friction_damping=damping,
+        **numbers,
+        **factors,
+    )
     numbers = {name: whole(elements, name) for name in ("acts", "reacts", "carrier", "axes")}
     points = {name: real(elements, name, (2,)) for name in ("marker", "point")}
-    table = Elements(**numbers, **points)
+    table = Elements(**numbers, **points, at_point=real(elements, "at_point"))
     return Chain(stack_bodies([link.body for link in links]), joints, table, block, mounts)

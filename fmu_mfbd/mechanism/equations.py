@@ -9,10 +9,20 @@ from ..dynamics.carrier import Carrier
 from ..dynamics.elimination import factorise, substitute
 from ..dynamics.floating_frame import TURN, Arrow, X, Y
 from ..dynamics.generalised_alpha import Motion
+from ..dynamics.pin_friction import PinFriction, PinMoment, friction_moment
 from ..dynamics.slider_crank import CrankMotion
-from .chain import Chain, Elements, Loads
-from .inertia import InertiaForces, inertia_changes, inertia_forces
-from .motion import ChainMotion, Increments, chain_motion, motion_changes
+from .chain import Chain, Elements, Joints, Loads
+from .inertia import (
+    ALPHA,
+    AX,
+    AY,
+    InertiaForces,
+    W,
+    inertia_changes,
+    inertia_forces,
+    shaken_forces,
+)
+from .motion import ChainMotion, Increments, MotionChanges, chain_motion, motion_changes
 
 
 class ChainForces(NamedTuple):
@@ -136,11 +146,14 @@ def _subtract_loads(elements, wrench, at, force):
         x, y = wrench[e, X], wrench[e, Y]
         c, s = at.axes[body, 0], at.axes[body, 1]
         mx, my = elements.marker[e, X], elements.marker[e, Y]
+        arm_x, arm_y = c * mx - s * my, s * mx + c * my
+        px, py = point_of(elements, at, e)
+        if elements.at_point[e] != 0.0:
+            arm_x, arm_y = px - at.position[body, X], py - at.position[body, Y]
         force[body, X] -= x
         force[body, Y] -= y
-        force[body, TURN] -= wrench[e, 2] + (c * mx - s * my) * y - (s * mx + c * my) * x
+        force[body, TURN] -= wrench[e, TURN] + arm_x * y - arm_y * x
         if other >= 0:
-            px, py = point_of(elements, at, e)
             lever = (px - at.position[other, X]) * y - (py - at.position[other, Y]) * x
             force[other, X] += x
             force[other, Y] += y
@@ -162,9 +175,10 @@ def _inwards(joints, at, force, residual):
                 residual[j] -= joints.tip[b, j] * push
             force[b, X] += push
         else:
-            torque += joints.driven[b] * force[b, TURN]
+            moment = force[b, TURN] - _rub(joints, at, force, b)
+            torque += joints.driven[b] * moment
             if joints.angle[b] >= 0:
-                residual[joints.angle[b]] += force[b, TURN]
+                residual[joints.angle[b]] += moment
         first = joints.play[b]
         if first >= 0:
             residual[first] += joints.sign[b] * force[b, X]
@@ -178,10 +192,69 @@ def _inwards(joints, at, force, residual):
 
 
 @compilable
+def friction_at(joints: Joints, at: ChainMotion, force: np.ndarray, b: int) -> PinMoment:
+    """Return the moment of friction of its parent on body b; `force` as of `ChainForces.joints`."""
+    parent = joints.parent[b]
+    slip = at.velocity[b, TURN]
+    if parent >= 0:
+        slip -= at.velocity[parent, TURN]
+    friction = PinFriction(
+        joints.friction_lever[b], joints.friction_speed[b], joints.friction_damping[b]
+    )
+    return friction_moment(friction, force[b, X], force[b, Y], slip)
+
+
+@compilable
+def _rubs(joints, b):
+    """Return whether the joint of body b has friction."""
+    return joints.friction_lever[b] > 0.0 or joints.friction_damping[b] > 0.0
+
+
+@compilable
+def _rub(joints, at, force, b):
+    """Return the moment of friction on body b, and add it to the force that its parent needs."""
+    if not _rubs(joints, b):
+        return 0.0
+    moment = friction_at(joints, at, force, b).moment
+    if joints.parent[b] >= 0:
+        force[joints.parent[b], TURN] += moment
+    return moment
+
+
+class ChainDerivative(NamedTuple):
+    """Derivative of `ChainForces` by the unknowns of the time integrator.
+
+    Parameters
+    ----------
+    arrow : Arrow
+        Of the residual, with m rigid motions and k modes.
+    torque : ndarray, shape (m + k,)
+    on_block : ndarray, shape (3, m + k)
+    motion : MotionChanges
+    frames : ndarray, shape (n, 4, m)
+        Of acceleration, angular acceleration and angular velocity of all frames.
+    """
+
+    arrow: Arrow
+    torque: np.ndarray
+    on_block: np.ndarray
+    motion: MotionChanges
+    frames: np.ndarray
+
+
+@compilable
 def chain_tangent(
     chain: Chain, loads: Loads, now: Motion, forces: ChainForces, by: Increments
 ) -> Arrow:
-    """Compute the derivative of the residual by the unknowns of the time integrator.
+    """Return the derivative of the residual; see `chain_derivative`."""
+    return chain_derivative(chain, loads, now, forces, by).arrow
+
+
+@compilable
+def chain_derivative(
+    chain: Chain, loads: Loads, now: Motion, forces: ChainForces, by: Increments
+) -> ChainDerivative:
+    """Compute the derivative of all forces by the unknowns of the time integrator.
 
     It is the derivative of both sweeps, for all unknowns at once. The force of an element is
     constant in the axes of one body, and its moment in these about a point of another.
@@ -196,8 +269,7 @@ def chain_tangent(
 
     Returns
     -------
-    Arrow
-        Of m rigid motions and k modes.
+    ChainDerivative
     """
     at = forces.motion
     d = motion_changes(chain.joints, at, by)
@@ -205,32 +277,46 @@ def chain_tangent(
     change = changes.wrench
     m = chain.joints.tip.shape[1]
     top = np.zeros((m, change.shape[2]))
-    if chain.block >= 0:
-        _put_block_rows(chain, at, forces.inertia.wrench, by, d, change, top)
+    total = _total_change(at, forces.inertia.wrench, d, change)
     _subtract_load_changes(chain.elements, loads.wrench, at, d, change)
     torque = _inward_changes(chain.joints, at, forces.joints, d, change, top)
+    for j in range(len(torque)):
+        total[TURN, j] -= torque[j]
     if chain.block >= 0:
+        _add_block_rows(chain, by, total, top)
+    for i in range(3):
         for j in range(len(torque)):
-            top[chain.block + TURN, j] -= torque[j]
-    return Arrow(top, changes.left, changes.diagonal)
+            total[i, j] = -total[i, j]
+    return ChainDerivative(
+        Arrow(top, changes.left, changes.diagonal), torque, total, d, changes.frames
+    )
 
 
 @compilable
-def _put_block_rows(chain, at, needed, by, d, change, top):
-    """Write the derivative of the rows of the block, but for the torque."""
-    k = chain.block
+def _total_change(at, needed, d, change):
+    """Return the change of the force that all bodies need, and of its moment about the block."""
+    total = np.zeros((3, change.shape[2]))
     for b in range(len(needed)):
         # Eq. (D63)
         x, y = at.position[b, X], at.position[b, Y]
         for j in range(change.shape[2]):
             fx, fy = change[b, X, j], change[b, Y, j]
-            top[k + X, j] += fx
-            top[k + Y, j] += fy
-            top[k + TURN, j] += x * fy - y * fx + change[b, TURN, j]
-        for j in range(len(top)):
-            top[k + TURN, j] += d.position[b, X, j] * needed[b, Y]
-            top[k + TURN, j] -= d.position[b, Y, j] * needed[b, X]
+            total[X, j] += fx
+            total[Y, j] += fy
+            total[TURN, j] += x * fy - y * fx + change[b, TURN, j]
+        for j in range(d.position.shape[2]):
+            total[TURN, j] += d.position[b, X, j] * needed[b, Y]
+            total[TURN, j] -= d.position[b, Y, j] * needed[b, X]
+    return total
+
+
+@compilable
+def _add_block_rows(chain, by, total, top):
+    """Add the derivative of the rows of the block."""
+    k = chain.block
     for i in range(3):
+        for j in range(total.shape[1]):
+            top[k + i, j] += total[i, j]
         for j in range(3):
             top[k + i, k + j] += (
                 chain.mounts[0, i, j] * by.acceleration[k + j]
@@ -279,8 +365,8 @@ def _inward_changes(joints, at, force, d, change, top):
 
     Returns the change of the drive's torque, (m + k,).
     """
-    n, m = joints.tip.shape
-    columns = change.shape[2]
+    n, rows = joints.tip.shape
+    m, columns = d.position.shape[2], change.shape[2]
     torque = np.zeros(columns)
     push = np.empty(columns)
     for b in range(n - 1, -1, -1):
@@ -294,12 +380,14 @@ def _inward_changes(joints, at, force, d, change, top):
                 push[j] += by_turn * d.position[b, TURN, j]
             for j in range(columns):
                 change[b, X, j] += push[j]
-            for i in range(m):
+            for i in range(rows):
                 tip = joints.tip[b, i]
                 if tip != 0.0:
                     for j in range(columns):
                         top[i, j] -= tip * push[j]
         else:
+            if _rubs(joints, b):
+                _rub_changes(joints, at, force, b, d, change)
             if joints.driven[b] != 0.0:
                 for j in range(columns):
                     torque[j] += joints.driven[b] * change[b, TURN, j]
@@ -324,6 +412,80 @@ def _inward_changes(joints, at, force, d, change, top):
             for j in range(m):
                 change[p, TURN, j] -= outward * d.position[p, TURN, j]
     return torque
+
+
+@compilable
+def _rub_changes(joints, at, force, b, d, change):
+    """Subtract the change of friction from that of the moment on body b, and pass it on."""
+    p = joints.parent[b]
+    friction = friction_at(joints, at, force, b)
+    for j in range(change.shape[2]):
+        rub = friction.by_x * change[b, X, j] + friction.by_y * change[b, Y, j]
+        if j < d.velocity.shape[2]:
+            slip = d.velocity[b, TURN, j]
+            if p >= 0:
+                slip -= d.velocity[p, TURN, j]
+            rub += friction.by_slip * slip
+        change[b, TURN, j] -= rub
+        if p >= 0:
+            change[p, TURN, j] += rub
+
+
+class PushedForces(NamedTuple):
+    """Change of `ChainForces` without a change of the motion in the block.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (m + k,)
+    torque : float
+    on_block : ndarray, shape (3,)
+    frames : ndarray, shape (n, 4, 1)
+        Of acceleration, angular acceleration and angular velocity of all frames.
+    """
+
+    residual: np.ndarray
+    torque: float
+    on_block: np.ndarray
+    frames: np.ndarray
+
+
+@compilable
+def pushed_forces(chain: Chain, forces: ChainForces, loads: Loads, given: Carrier) -> PushedForces:
+    """Compute the derivative of all forces in a direction of loads and of a given block's motion.
+
+    Parameters
+    ----------
+    chain : Chain
+    forces : ChainForces
+    loads, given : Loads, Carrier
+        The direction.
+
+    Returns
+    -------
+    PushedForces
+    """
+    at = forces.motion
+    n, m = chain.joints.tip.shape
+    still = MotionChanges(np.zeros((n, 3, 1)), np.zeros((n, 3, 1)), np.zeros((n, 3, 1)))
+    shaken = np.empty((4, 1))
+    shaken[AX, 0], shaken[AY, 0] = given.ax, given.ay
+    shaken[ALPHA, 0], shaken[W, 0] = given.alpha, given.w
+    inertia = shaken_forces(chain.bodies, at, forces.inertia, still, shaken)
+    total = _total_change(at, forces.inertia.wrench, still, inertia.wrench)
+    push, top = np.zeros((n, 3)), np.zeros((m, 1))
+    _subtract_loads(chain.elements, loads.wrench, at, push)
+    change = inertia.wrench
+    for b in range(n):
+        for i in range(3):
+            change[b, i, 0] += push[b, i]
+    (torque,) = _inward_changes(chain.joints, at, forces.joints, still, change, top)
+    residual = np.empty(m + len(loads.modal))
+    for j in range(m):
+        residual[j] = top[j, 0]
+    for k in range(len(loads.modal)):
+        residual[m + k] = inertia.left[k, 0] - loads.modal[k]
+    total[TURN, 0] -= torque
+    return PushedForces(residual, torque, -total[:, 0], inertia.frames)
 
 
 @compilable

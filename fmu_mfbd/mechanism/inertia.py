@@ -80,11 +80,14 @@ class InertiaChanges(NamedTuple):
         Of the forces on modes by the unknowns of joints and block.
     diagonal : ndarray, shape (k,)
         Of the force on each mode by its own unknown.
+    frames : ndarray, shape (n, 4, m)
+        Of ax, ay, alpha and w of all frames.
     """
 
     wrench: np.ndarray
     left: np.ndarray
     diagonal: np.ndarray
+    frames: np.ndarray
 
 
 @compilable
@@ -233,17 +236,55 @@ def inertia_changes(
     """
     n, _, m = d.position.shape
     k = len(bodies.stiffness)
-    out = InertiaChanges(np.zeros((n, 3, m + k)), np.empty((k, m)), np.empty(k))
-    frames = np.empty((n, 4, m))
-    _put_frame_changes(at, forces, by, d, block, frames)
-    _put_joint_columns(bodies, at, forces, d, frames, out)
+    shaken = np.zeros((4, m))
+    if block >= 0:
+        shaken[AX, block], shaken[AY, block + 1] = (
+            by.acceleration[block],
+            by.acceleration[block + 1],
+        )
+        shaken[ALPHA, block + TURN] = by.acceleration[block + TURN]
+        shaken[W, block + TURN] = by.velocity[block + TURN]
+    out = InertiaChanges(
+        np.zeros((n, 3, m + k)), np.empty((k, m)), np.empty(k), np.empty((n, 4, m))
+    )
+    _put_frame_changes(at, forces, d, shaken, out.frames)
+    _put_joint_columns(bodies, at, forces, d, out)
     _put_modal_columns(bodies, at, now, m, forces, by, out)
     return out
 
 
 @compilable
-def _put_frame_changes(at, forces, by, d, block, out):
-    """Write the change of ax, ay, alpha and w of all frames with the unknowns of joints."""
+def shaken_forces(
+    bodies: Bodies, at: ChainMotion, forces: InertiaForces, d: MotionChanges, shaken: np.ndarray
+) -> InertiaChanges:
+    """Compute the derivative of `inertia_forces` in m directions of motion and of a block's motion.
+
+    Parameters
+    ----------
+    bodies, at
+        As for `inertia_forces`.
+    forces : InertiaForces
+    d : MotionChanges
+    shaken : ndarray, shape (4, m)
+        Change of ax, ay, alpha and w of the block.
+
+    Returns
+    -------
+    InertiaChanges
+        With zero shapes of what belongs to the unknowns of modes.
+    """
+    n, _, m = d.position.shape
+    out = InertiaChanges(
+        np.zeros((n, 3, m)), np.empty((len(bodies.stiffness), m)), np.empty(0), np.empty((n, 4, m))
+    )
+    _put_frame_changes(at, forces, d, shaken, out.frames)
+    _put_joint_columns(bodies, at, forces, d, out)
+    return out
+
+
+@compilable
+def _put_frame_changes(at, forces, d, shaken, out):
+    """Write the change of ax, ay, alpha and w of all frames with motion and that of the block."""
     w, alpha = forces.carrier.w, forces.carrier.alpha
     for b in range(len(out)):
         c, s = at.axes[b, 0], at.axes[b, 1]
@@ -252,37 +293,30 @@ def _put_frame_changes(at, forces, by, d, block, out):
         for j in range(out.shape[2]):
             # Eq. (K14)
             px, py = d.position[b, X, j], d.position[b, Y, j]
+            da, dw = shaken[ALPHA, j], shaken[W, j]
             dx = d.acceleration[b, X, j] - alpha * py - w * w * px - 2 * w * d.velocity[b, Y, j]
             dy = d.acceleration[b, Y, j] + alpha * px - w * w * py + 2 * w * d.velocity[b, X, j]
-            turn, spin = d.acceleration[b, TURN, j], d.velocity[b, TURN, j]
-            if block >= 0 and block <= j < block + 3:
-                a, v = by.acceleration[j], by.velocity[j]
-                if j == block + TURN:
-                    dx -= a * y + 2 * v * (w * x + vy)
-                    dy += a * x - 2 * v * (w * y - vx)
-                    turn += a
-                    spin += v
-                elif j == block:
-                    dx += a
-                else:
-                    dy += a
+            dx += shaken[AX, j] - da * y - 2 * dw * (w * x + vy)
+            dy += shaken[AY, j] + da * x - 2 * dw * (w * y - vx)
             t = d.position[b, TURN, j]  # the axes turn
-            out[b, X, j] = c * dx + s * dy + ay * t
-            out[b, Y, j] = c * dy - s * dx - ax * t
-            out[b, TURN, j] = turn
-            out[b, 3, j] = spin
+            out[b, AX, j] = c * dx + s * dy + ay * t
+            out[b, AY, j] = c * dy - s * dx - ax * t
+            out[b, ALPHA, j] = d.acceleration[b, TURN, j] + da
+            out[b, W, j] = d.velocity[b, TURN, j] + dw
 
 
 @compilable
-def _put_joint_columns(bodies, at, forces, d, frames, out):
-    """Write the change of all forces with the unknowns of joints and block."""
+def _put_joint_columns(bodies, at, forces, d, out):
+    """Write the change of all forces with the change of all frames."""
+    frames = out.frames
     for b in range(len(frames)):
         f = frame_state(forces.frames, b)
         c, s = at.axes[b, 0], at.axes[b, 1]
         mass, w = bodies.mass[b], f.w
         force_x, force_y = forces.wrench[b, X], forces.wrench[b, Y]
         for j in range(frames.shape[2]):
-            ax, ay, alpha, dw = frames[b, 0, j], frames[b, 1, j], frames[b, 2, j], frames[b, 3, j]
+            ax, ay = frames[b, AX, j], frames[b, AY, j]
+            alpha, dw = frames[b, ALPHA, j], frames[b, W, j]
             t = d.position[b, TURN, j]
             # Eqs. (D1), (D2)
             x = mass * ax - alpha * f.sy - 2 * dw * (w * f.sx + f.ty)
@@ -295,8 +329,8 @@ def _put_joint_columns(bodies, at, forces, d, frames, out):
             spun = 2 * (forces.gv[i] - w * forces.bq[i])
             for j in range(frames.shape[2]):
                 # Eq. (D3)
-                by_frame = x * frames[b, X, j] + y * frames[b, Y, j]
-                out.left[i, j] = by_frame + gq * frames[b, TURN, j] + spun * frames[b, 3, j]
+                by_frame = x * frames[b, AX, j] + y * frames[b, AY, j]
+                out.left[i, j] = by_frame + gq * frames[b, ALPHA, j] + spun * frames[b, W, j]
 
 
 @compilable

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..dynamics.floating_frame import TURN, X, Y
-from ..dynamics.generalised_alpha import Motion
+from ..dynamics.generalised_alpha import Coefficients, Motion
 from ..dynamics.slider_crank import CrankMotion
 from ..geometry.arrays import Vector
 from .chain import Joints
@@ -24,6 +24,12 @@ class Increments(NamedTuple):
     position: Vector
     velocity: Vector
     acceleration: Vector
+
+
+@compilable
+def increments_of(c: Coefficients, n: int) -> Increments:
+    """Return those of n coordinates with their end accelerations in a step (Eq. (N2))."""
+    return Increments(np.full(n, c.to_position), np.full(n, c.to_velocity), np.ones(n))
 
 
 class ChainMotion(NamedTuple):

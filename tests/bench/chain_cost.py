@@ -15,13 +15,12 @@ from time import process_time
 import numpy as np
 from numba import njit
 
-from piston_cosim.fmu_mfbd.dynamics import elimination, floating_pin, pin_tangent, piston_motion
+from piston_cosim.fmu_mfbd.dynamics import elimination, floating_pin, pin_tangent
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces, chain_tangent, solve_chain
 from piston_cosim.master.fmi.compiled import compilable
-from piston_cosim.tests.mfbd.chains import CRANK, MECHANISM, engine, flexible
+from piston_cosim.tests.mfbd.chains import CRANK, engine, flexible, tied
 from piston_cosim.tests.mfbd.test_mechanism import (
-    STEP,
     by_hand_with_films,
     in_order,
     loads,
@@ -52,7 +51,6 @@ def loop_of(kernel):
 
 
 KERNELS = (
-    *(piston_motion.imbalance, piston_motion.tangent, piston_motion.solve),
     *(floating_pin.imbalance, pin_tangent.tangent, solve_dense),
     *(chain_forces, chain_tangent, solve_chain),
 )
@@ -83,20 +81,6 @@ def chain_calls(built, given, now):
     )
 
 
-def tied_calls(piston, built, given, now):
-    """Return the same of a tied pin by hand."""
-    load = on_piston(built, given, now)
-    state = piston, MECHANISM, load, now, CRANK
-    by = 0.5 * STEP, 0.25 * STEP**2
-    arrow = piston_motion.tangent(*state, *by)
-    right = piston_motion.imbalance(*state).residual
-    return (
-        (piston_motion.imbalance, state),
-        (piston_motion.tangent, (*state, *by)),
-        (piston_motion.solve, (arrow, right)),
-    )
-
-
 def floating_calls(piston, built, given, now):
     """Return the same of a floating pin with films of the crank by hand."""
     bodies, films = by_hand_with_films(piston, built, given)
@@ -115,17 +99,22 @@ def floating_calls(piston, built, given, now):
 
 def main():
     print("us: residual, tangent, solution; their sum as a share of that by hand")
-    for name, films, sizes in (("tied pin", False, (0, 60, 200)), ("six films", True, (0, 60))):
-        for modes in sizes:
-            piston = flexible(modes)
-            built = engine([piston], films, films)
-            now = motion(built)
-            given = loads(built, now)
-            calls = (floating_calls if films else tied_calls)(piston, built, given, now)
-            times = microseconds(*calls, *chain_calls(built, given, now))
-            hand, own = ("".join(f"{one:7.2f}" for one in part) for part in (times[:3], times[3:]))
-            share = sum(times[3:]) / sum(times[:3])
-            print(f"{name}, {modes:3d} modes: by hand {hand}, chain {own}, share {share:.2f}")
+    for modes in (0, 60, 200):
+        built = tied(flexible(modes))
+        now = motion(built)
+        times = microseconds(*chain_calls(built, loads(built, now), now))
+        print(f"tied pin, {modes:3d} modes:", "".join(f"{one:7.2f}" for one in times))
+    for modes in (0, 60):
+        piston = flexible(modes)
+        built = engine([piston], True, True)
+        now = motion(built)
+        given = loads(built, now)
+        times = microseconds(
+            *floating_calls(piston, built, given, now), *chain_calls(built, given, now)
+        )
+        hand, own = ("".join(f"{one:7.2f}" for one in part) for part in (times[:3], times[3:]))
+        share = sum(times[3:]) / sum(times[:3])
+        print(f"six films, {modes:3d} modes: by hand {hand}, chain {own}, share {share:.2f}")
     for pistons in (1, 2):
         built = engine([flexible(8)] * pistons, True, True, True)
         now = motion(built)

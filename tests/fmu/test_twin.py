@@ -7,10 +7,10 @@ yield, and phases.
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.block_force import block_force
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
+from piston_cosim.fmu_mfbd.mechanism.tied_pin import tied_forces, tied_pin
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.tests.verification.cases.bodies import rigid_body
 
@@ -44,11 +44,12 @@ def shaking(name, offset=0.0):
     )
     load = Load(0.0, 0.0, 0.0, 0.0, np.zeros(0))
     still = Motion(np.zeros(2), np.zeros(2), np.zeros(2))
+    chain = tied_pin(body, mechanism, UNBALANCE)
     turn = 2 * np.pi * np.arange(POINTS) / POINTS
     out = []
     for angle in turn:
         cranks = [CrankMotion(angle - np.radians(one.behind), SPEED, 0.0) for one in cylinders]
-        forces = [block_force(body, mechanism, UNBALANCE, load, still, one) for one in cranks]
+        forces = [tied_forces(chain, load, still, one).on_block for one in cranks]
         out.append(engine.total(*np.array([(*f[:2], 0.0) for f in forces]).T))
     return np.array(out)
 

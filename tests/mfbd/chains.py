@@ -15,6 +15,8 @@ from piston_cosim.fmu_mfbd.mechanism.chain import (
     Link,
     chain_of,
 )
+from piston_cosim.fmu_mfbd.mechanism.tied_pin import GAS as ON_BORE
+from piston_cosim.fmu_mfbd.mechanism.tied_pin import PISTON, SKIRT, tied_pin
 
 MECHANISM = Mechanism(0.072, 0.223, 1.2e-3, 1.7, 0.017, 72 / 223, 0.5)
 SPIN_INERTIA = 2e-4
@@ -120,7 +122,12 @@ def engine(pistons, floating=False, crank_films=False, mounted=False, free=False
         found.gas.append(len(elements) + 1)
         elements += [
             Element(at + 2, BLOCK, at + 2, BLOCK),
-            Element(at + 2, BLOCK, point=(m.offset, 0.0)),
+            Element(at + 2, BLOCK, point=(m.offset, 0.0), at_point=True),
         ]
     mounts = MOUNTS if mounted else NO_MOUNTS
     return found._replace(chain=chain_of(links, elements, size, block, mounts))
+
+
+def tied(piston, mechanism=MECHANISM):
+    """Return the engine of one cylinder with a tied pin, as the FMU has it."""
+    return Engine(tied_pin(piston, mechanism, UNBALANCE), [PISTON], [SKIRT], [ON_BORE], {})

@@ -5,6 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
 from piston_cosim.fmu_mfbd.dynamics.energy import MovingBodies, momentum
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
     FrameMotion,
@@ -16,15 +17,13 @@ from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, Prediction
 from piston_cosim.fmu_mfbd.dynamics.impact import Inertia
 from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import (
-    Load,
-    end_accelerations,
-    imbalance,
-    solve_coupled,
-    tangent,
-)
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
+from piston_cosim.fmu_mfbd.mechanism.equations import chain_derivative
+from piston_cosim.fmu_mfbd.mechanism.motion import Increments
+from piston_cosim.fmu_mfbd.mechanism.solution import solve_coupled, solve_motion
+from piston_cosim.fmu_mfbd.mechanism.tied_pin import loads_of, tied_forces, tied_pin
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
 from piston_cosim.fmu_mfbd.reduction.frame_integrals import floating_frame_integrals
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston
@@ -151,6 +150,11 @@ def test_frame_tangent_is_the_derivative(lump):
         )
 
 
+def reach(n, c1, c2):
+    """Return what an end acceleration of 1 adds to each of n velocities [s] and positions [s2]."""
+    return Increments(np.full(n, c2), np.full(n, c1), np.ones(n))
+
+
 SKEW = Mechanism(0.0288, 0.110, 0.0011, 0.35, 6e-4, 30 / 110, 0.06)
 
 
@@ -167,17 +171,19 @@ def test_mechanism_tangent_is_the_derivative(lump, mechanism):
     )
     load = Load(300.0, -2000.0, 5.0, 1800.0, rng.standard_normal(n - 2))
     c1, c2, crank = 3e-5, 8e-10, CrankMotion(0.8, 314.0, 2e3)
-    arrow = tangent(body, mechanism, load, now, crank, c1, c2)
-    coupling = mode_coupling(body, now.acceleration[1], now.velocity[1], c1, c2)
-    matrix = whole(arrow, coupling)
+    chain, by = tied_pin(body, mechanism, 0.0), reach(n, c1, c2)
+    forces = tied_forces(chain, load, now, crank)
+    slope = chain_derivative(chain, loads_of(load), now, forces, by)
+    matrix = whole(slope.arrow, mode_coupling(body, now.acceleration[1], now.velocity[1], c1, c2))
     right = rng.standard_normal(n)
-    np.testing.assert_allclose(matrix @ solve_coupled(arrow, coupling, right), right, atol=1e-12)
+    solution = solve_coupled(chain, forces, by, slope, right)
+    np.testing.assert_allclose(matrix @ solution, right, atol=1e-12)
 
     def residual(change):
         moved = Motion(
             now.position + c2 * change, now.velocity + c1 * change, now.acceleration + change
         )
-        return imbalance(body, mechanism, load, moved, crank).residual
+        return tied_forces(chain, load, moved, crank).residual
 
     for k in range(n):
         change = 10.0 * np.eye(n)[k]
@@ -203,13 +209,12 @@ def test_forces_that_cancel_exactly_give_a_piston_without_acceleration(step):
         gas = 2e4 * (k % 2)
         alone = Load(0.0, -gas, 0.0, gas, none)
         now = Motion(position, velocity, np.zeros(2))
-        lack = imbalance(body, SKEW, alone, now, crank).residual
+        chain = tied_pin(body, SKEW, 0.0)
+        lack = tied_forces(chain, alone, now, crank).residual
         held = alone._replace(lateral=lack[0], moment=lack[1])
         guess = rng.standard_normal(2) * [1e3, 1e4]
         start = Prediction(position, velocity, np.zeros(2))
-        to_velocity, to_position = step / 2, step**2 / 4
-        solution = end_accelerations(
-            body, SKEW, held, start, guess, crank, to_velocity, to_position
-        )
+        by = reach(2, step / 2, step**2 / 4)
+        solution = solve_motion(chain, loads_of(held), start, guess, by, crank, FIXED)
         assert solution.evaluations > 0
-        assert np.abs(solution.acceleration).max() <= (1e-8 if step else 1e-9)
+        assert np.abs(solution.now.acceleration).max() <= (1e-8 if step else 1e-9)

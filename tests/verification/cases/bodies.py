@@ -14,6 +14,7 @@ from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
     TURN,
     FlexibleBody,
     FrameMotion,
+    Y,
     frame_arrow,
     frame_force,
     mode_coupling,
@@ -25,7 +26,7 @@ from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import (
     coefficients,
     predict,
 )
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load, imbalance
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     CrankMotion,
     LateralMotion,
@@ -43,6 +44,7 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.fmu_mfbd.mechanism.tied_pin import PISTON, tied_forces, tied_pin
 from piston_cosim.fmu_mfbd.reduction.bases import (
     Elastic,
     characteristic_constraint_modes,
@@ -147,13 +149,14 @@ def guided_piston(angle: float) -> tuple[float, ...]:
     body = rigid_body(0.315, (0.0, 0.0), 1e-4)
     crank = CrankMotion(angle, 100 * np.pi, 0.0)
     still = Motion(np.zeros(2), np.zeros(2), np.zeros(2))
-    out = imbalance(body, mechanism, Load(0.0, 0.0, 0.0, 0.0, np.zeros(0)), still, crank)
+    load = Load(0.0, 0.0, 0.0, 0.0, np.zeros(0))
+    out = tied_forces(tied_pin(body, mechanism, 0.0), load, still, crank)
     link = motion(mechanism, LateralMotion(0.0, 0.0, 0.0), crank)
     return (
         height(mechanism, 0.0, angle).height,
         link.axial_acceleration,
-        -out.residual[0],
-        out.pin_y,
+        -out.residual[LATERAL],
+        out.joints[PISTON, Y],
         out.torque,
     )
 

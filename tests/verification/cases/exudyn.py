@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import (
     Coefficients,
@@ -17,7 +18,7 @@ from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import (
     coefficients,
     predict,
 )
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load, end_accelerations
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     CrankMotion,
     LateralMotion,
@@ -25,6 +26,9 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     height,
     motion,
 )
+from piston_cosim.fmu_mfbd.mechanism.motion import increments_of
+from piston_cosim.fmu_mfbd.mechanism.solution import solve_motion
+from piston_cosim.fmu_mfbd.mechanism.tied_pin import loads_of, tied_pin
 
 
 class Drive(NamedTuple):
@@ -149,6 +153,7 @@ def _end_of_step(piston, time, c: Coefficients, predicted: Prediction, guess) ->
     drive = piston.drive
     F = drive.gas(time)
     crank = CrankMotion(drive.crank_angle + drive.crank_speed * time, drive.crank_speed, 0.0)
+    chain, by = tied_pin(piston.body, piston.mechanism, 0.0), increments_of(c, len(guess))
     a = guess
     for _ in range(6):
         end = predicted.position + c.to_position * a
@@ -159,10 +164,9 @@ def _end_of_step(piston, time, c: Coefficients, predicted: Prediction, guess) ->
             guided=0.0,  # in Exudyn the force stays on A
             modal=F * piston.gas_shape,
         )
-        a = end_accelerations(
-            piston.body, piston.mechanism, load, predicted, a, crank, c.to_velocity, c.to_position
-        ).acceleration
-    return Motion(predicted.position + c.to_position * a, predicted.velocity + c.to_velocity * a, a)
+        now = solve_motion(chain, loads_of(load), predicted, a, by, crank, FIXED).now
+        a = now.acceleration
+    return now
 
 
 def exudyn_motion(

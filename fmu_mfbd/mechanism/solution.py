@@ -1,0 +1,290 @@
+"""Solution of the equations of motion of a chain at the end of a step.
+
+References
+----------
+[Deuflhard2011] P. Deuflhard, Newton Methods for Nonlinear Problems, Springer, 2011.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable, compiled
+from ..dynamics.carrier import Carrier
+from ..dynamics.floating_frame import TURN, Arrow, X, Y
+from ..dynamics.generalised_alpha import Motion, Prediction
+from ..dynamics.slider_crank import CrankMotion
+from .chain import Chain, Loads
+from .equations import (
+    ChainDerivative,
+    ChainForces,
+    chain_derivative,
+    chain_forces,
+    point_of,
+    solve_chain,
+)
+from .inertia import ALPHA, W, coupling_of, frame_state
+from .motion import Increments
+
+PASSES = 80
+"""Most evaluations of the residual; three are usual."""
+
+ROUND_OFF = 4e-15
+"""Of a coordinate or a force: some last digits, of the sum of many terms."""
+
+
+class ChainSolution(NamedTuple):
+    """Motion that fulfils the equations of motion, and the forces that go with it.
+
+    Parameters
+    ----------
+    now : Motion
+        Of all m + k coordinates.
+    forces : ChainForces
+    evaluations, tangents : int
+        How often residual (0 if it did not converge) and tangent were computed.
+    change : float
+        Last change of the accelerations in the norm of the inertia; relative if it did not
+        converge.
+    """
+
+    now: Motion
+    forces: ChainForces
+    evaluations: int
+    tangents: int
+    change: float
+
+
+@compiled
+def solve_motion(
+    chain: Chain,
+    loads: Loads,
+    predicted: Prediction,
+    guess: np.ndarray,
+    by: Increments,
+    drive: CrankMotion,
+    given: Carrier,
+) -> ChainSolution:
+    """Solve for the end accelerations that fulfil the equations of motion.
+
+    The error is about 1e-15 of their size, or the round-off of positions.
+
+    Newton's method with the tangent without coupling of modes (Eq. (D4)), which is smaller by
+    2 w c1, about 1e-4: each iteration gains three to four digits with the first tangent.
+    Dry friction that nearly sticks needs more. If the next change would not shrink, a change is
+    halved (natural monotonicity test, [Deuflhard2011] ch. 3). If changes shrink slowly, the tangent
+    is recomputed. In short steps of a calm motion the last digit of a position is worth more
+    acceleration than that, and where forces balance so is the last digit of a force: then these
+    decide.
+
+    Parameters
+    ----------
+    chain, loads, drive, given
+        As for `chain_forces`.
+    predicted : Prediction
+        With accelerations of zero.
+    guess : ndarray, shape (m + k,)
+        Accelerations to start from.
+    by : Increments
+        By end accelerations.
+
+    Returns
+    -------
+    ChainSolution
+    """
+    n = len(guess)
+    a = guess.copy()
+    now = Motion(np.empty(n), np.empty(n), a)
+    _move(now, predicted, by)
+    forces = chain_forces(chain, loads, now, drive, given)
+    slope = chain_derivative(chain, loads, now, forces, by)
+    tangents = 1
+    change = np.zeros(n)
+    size, total, share = 0.0, 0.0, 1.0
+    for evaluation in range(1, PASSES):
+        if evaluation > 1:
+            forces = chain_forces(chain, loads, now, drive, given)
+            noise = ROUND_OFF * _noise(chain, loads, now, forces, slope, by)
+            if size <= 1e-11 * total + noise:
+                return ChainSolution(now, forces, evaluation, tangents, size)
+        fresh = solve_chain(slope.arrow, forces.residual)
+        left = np.sqrt(squared_size(slope.arrow, fresh))
+        if evaluation > 1 and left > (1 - share / 4) * size:
+            share /= 2
+            for k in range(n):
+                a[k] += share * change[k]
+        else:
+            if evaluation > 1 and left > 0.1 * size:
+                slope = chain_derivative(chain, loads, now, forces, by)
+                fresh = solve_chain(slope.arrow, forces.residual)
+                tangents += 1
+            change = fresh
+            share = 1.0
+            for k in range(n):
+                a[k] -= change[k]
+            size = np.sqrt(squared_size(slope.arrow, change))
+            total = np.sqrt(squared_size(slope.arrow, a))
+        _move(now, predicted, by)
+    return ChainSolution(now, forces, 0, tangents, size / total)
+
+
+@compilable
+def _move(now, predicted, by):
+    """Put positions and velocities where the end accelerations take the predicted ones."""
+    for k in range(len(now.acceleration)):
+        now.position[k] = predicted.position[k] + by.position[k] * now.acceleration[k]
+        now.velocity[k] = predicted.velocity[k] + by.velocity[k] * now.acceleration[k]
+
+
+@compilable
+def squared_size(arrow: Arrow, a: np.ndarray) -> float:
+    """Return the square of accelerations in the norm of the tangent's diagonal."""
+    m = len(arrow.top)
+    total = 0.0
+    for j in range(m):
+        total += abs(arrow.top[j, j]) * a[j] ** 2
+    for k in range(len(arrow.diagonal)):
+        total += arrow.diagonal[k] * a[m + k] ** 2
+    return total
+
+
+@compilable
+def _noise(chain, loads, now, forces, slope, by):
+    """Return the size of accelerations if nothing cancelled, in the norm of `squared_size`.
+
+    They are those that change positions by themselves, and those of the terms of all forces. The
+    round-off of accelerations is a share of it.
+    """
+    arrow, d = slope.arrow, slope.motion
+    m, k = len(arrow.top), len(arrow.diagonal)
+    places, rows = np.zeros(m + k), _sizes(chain, loads, forces)
+    of_forces = 0.0
+    for j in range(m):
+        row = 0.0
+        for b in range(len(rows)):
+            for i in range(3):
+                row += abs(d.acceleration[b, i, j]) * rows[b, i]  # Eq. (D61)
+        of_forces += row**2 / abs(arrow.top[j, j])
+    climb = np.abs(forces.inertia.frames)
+    for b in range(len(rows)):
+        f = frame_state(climb, b)
+        for i in range(chain.bodies.first_mode[b], chain.bodies.first_mode[b + 1]):
+            row = abs(loads.modal[i]) + chain.bodies.stiffness[i] * abs(now.position[m + i])
+            row += abs(chain.bodies.T[X, i]) * f.ax + abs(chain.bodies.T[Y, i]) * f.ay
+            of_forces += row**2 / arrow.diagonal[i]
+    for j in range(m + k):
+        if by.position[j] > 0.0:
+            places[j] = now.position[j] / by.position[j]
+    return np.sqrt(squared_size(arrow, places)) + np.sqrt(of_forces)
+
+
+@compilable
+def _sizes(chain, loads, forces):
+    """Return the sums of the sizes of all forces and moments on each body, (n, 3)."""
+    bodies, elements, at = chain.bodies, chain.elements, forces.motion
+    out = np.empty((len(bodies.mass), 3))
+    frames = np.abs(forces.inertia.frames)
+    for b in range(len(out)):
+        f = frame_state(frames, b)
+        climb = f.ax + f.ay
+        push = abs(forces.joints[b, X]) + abs(forces.joints[b, Y])
+        out[b, X] = out[b, Y] = bodies.mass[b] * climb
+        out[b, TURN] = (f.sx + f.sy) * climb + chain.joints.friction_lever[b] * push
+    for e in range(len(loads.wrench)):
+        x, y = abs(loads.wrench[e, X]), abs(loads.wrench[e, Y])
+        px, py = point_of(elements, at, e)
+        b, other = elements.acts[e], elements.reacts[e]
+        out[b, X] += x
+        out[b, Y] += y
+        out[b, TURN] += abs(loads.wrench[e, TURN])
+        out[b, TURN] += abs(px - at.position[b, X]) * y + abs(py - at.position[b, Y]) * x
+        if other >= 0:
+            out[other, X] += x
+            out[other, Y] += y
+            out[other, TURN] += abs(loads.wrench[e, 3])
+            out[other, TURN] += abs(px - at.position[other, X]) * y
+            out[other, TURN] += abs(py - at.position[other, Y]) * x
+    return out
+
+
+@compilable
+def solve_coupled(
+    chain: Chain, forces: ChainForces, by: Increments, slope: ChainDerivative, right: np.ndarray
+) -> np.ndarray:
+    """Return x of the total tangent, modes coupled, to 1e-13 of its size.
+
+    Eq. (N3):  x <- arrow^-1 (right - coupling x)
+
+    The coupling is small (Eq. (D4)), so that each pass gains about four digits, at the price of a
+    product with it; a factorisation would cost as much as hundreds of passes.
+
+    Parameters
+    ----------
+    chain : Chain
+    forces : ChainForces
+    by : Increments
+    slope : ChainDerivative
+    right : ndarray, shape (m + k,)
+
+    Returns
+    -------
+    ndarray, shape (m + k,)
+        Starts with NaN where it does not converge.
+    """
+    x = solve_chain(slope.arrow, right)
+    m = len(slope.arrow.top)
+    left = right.copy()
+    for _ in range(40):
+        push = mode_coupling(chain, forces, by, x)
+        for k in range(len(push)):
+            left[m + k] = right[m + k] - push[k]  # Eq. (N3)
+        fresh = solve_chain(slope.arrow, left)
+        for k in range(len(x)):
+            x[k] = fresh[k] - x[k]
+        if squared_size(slope.arrow, x) <= 1e-26 * squared_size(slope.arrow, fresh):
+            return fresh
+        x = fresh
+    x[0] = np.nan
+    return x
+
+
+@compilable
+def mode_coupling(
+    chain: Chain, forces: ChainForces, by: Increments, unknowns: np.ndarray
+) -> np.ndarray:
+    """Return the coupling of modes (Eq. (D4)), which `chain_derivative` omits, times unknowns.
+
+    Parameters
+    ----------
+    chain : Chain
+    forces : ChainForces
+    by : Increments
+        c2, c1 and 1 of each coordinate.
+    unknowns : ndarray, shape (m + k,)
+        x.
+
+    Returns
+    -------
+    ndarray, shape (k,)
+        About 2 w c1, 1e-4 of the inertia of modes for a rocking piston.
+    """
+    bodies, frames = chain.bodies, forces.inertia.frames
+    m = chain.joints.tip.shape[1]
+    out = np.zeros(len(bodies.stiffness))
+    for b in range(len(frames)):
+        begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
+        k = end - begin
+        if k == 0:
+            continue
+        w, alpha = frames[b, W], frames[b, ALPHA]
+        turned, flung = np.empty(k), np.empty(k)
+        for i in range(k):
+            j = m + begin + i
+            # Eq. (D4)
+            turned[i] = (2 * w * by.velocity[j] + alpha * by.position[j]) * unknowns[j]
+            flung[i] = w * w * by.position[j] * unknowns[j]
+        table = coupling_of(bodies, b)
+        coriolis, centrifugal = table[k:] @ turned, table[:k] @ flung
+        for i in range(k):
+            out[begin + i] = coriolis[i] - centrifugal[i]
+    return out
