@@ -13,7 +13,7 @@ import numpy as np
 from ..coupling.wiring import port_of
 from ..fmi.errors import BadInput
 from ..fmi.fields import base_of
-from ..fmi.symmetry import Symmetry, odd_part, rejection
+from ..fmi.symmetry import FILM_SYMMETRIES, Symmetry, odd_part, rejection
 from .contract import interface
 from .keys import part_function
 
@@ -110,7 +110,7 @@ def half_films(
     case, folder, declared, builds
         As for `groups`.
     faults : list of str
-        A fault is appended if the case demands halves and has none.
+        A fault is appended if the case demands halves and has none, or chooses whole films.
     """
     if case.symmetric is False:
         return {}
@@ -120,7 +120,9 @@ def half_films(
         if group.unknown or not (group.halves or group.reasons):
             continue
         reasons = group.reasons
-        if not case.symmetric:
+        if case.symmetric:
+            reasons = reasons + _chosen_whole(case, group.halves)
+        else:
             films = [name for name in group.halves if name != group.body]
             reasons = reasons + _free_fields(case, declared, films)
         odd_bodies = part_function(case.participants[group.body].package, "odd_bodies")
@@ -154,6 +156,15 @@ def _differing(case, surfaces, images):
         if name < other and (first.build, first.parameters) != (second.build, second.parameters):
             found.append(f"participants.{other} (differs from {name}, its mirror image)")
     return found
+
+
+def _chosen_whole(case, names):
+    """Return the parameters of participants that choose whole films."""
+    return [
+        f"participants.{name}.parameters.film_symmetry (none)"
+        for name in names
+        if case.participants[name].parameters.get("film_symmetry") == FILM_SYMMETRIES[0]
+    ]
 
 
 def _free_fields(case, declared, films):

@@ -10,6 +10,7 @@ from piston_cosim.master.case.check import check
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.symmetry import groups, half_films
+from piston_cosim.master.commands.fmu import export
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.fmi.symmetry import odd_part, thrust_image
 
@@ -122,9 +123,12 @@ def test_each_reason_is_found_and_rejects_what_assumes_symmetry(reason, changes)
 def half_films_of(changes):
     """Return the films of which a case computes one half, and the faults."""
     case, faults = changed_case(changes), []
-    builds = {name: dict(table.build) for name, table in case.participants.items()}
-    found = half_films(case, PATH.parent, ahead(case, PATH.parent), builds, faults)
+    found = half_films(case, PATH.parent, ahead(case, PATH.parent), builds_of(case), faults)
     return found, faults
+
+
+def builds_of(case):
+    return {name: dict(table.build) for name, table in case.participants.items()}
 
 
 def halves(choice):
@@ -148,6 +152,27 @@ def test_half_of_an_asymmetric_film_is_rejected(reason, changes):
     assert fault.startswith("symmetric: ") and reason in fault
     assert fault.endswith("set symmetric = false")
     assert fault in faults_ahead(changed_case(changes | {"symmetric": True}), PATH.parent)
+
+
+def test_half_of_a_film_is_not_demanded_where_a_parameter_chooses_the_whole_one():
+    """The parameter decides if the case demands nothing."""
+    whole = {f"{FILM}.parameters.film_symmetry": "none"}
+    assert half_films_of(whole) == (halves("automatic"), [])
+    _, (fault,) = half_films_of(whole | {"symmetric": True})
+    assert "got participants.ehd.parameters.film_symmetry (none); set symmetric = false" in fault
+
+
+def test_an_ssp_is_not_made_of_a_case_that_demands_other_films(monkeypatch):
+    """Nothing is built. A fault that only reduced bodies show is reported as well."""
+    monkeypatch.setattr(export, "build_options", lambda case, *_: builds_of(case))
+    monkeypatch.setattr(export, "build_fmu", lambda *_, **__: pytest.fail("built"))
+    demanded = RIGID | {"symmetric": True}
+    for changes, reason in (
+        (TILT, "pin_tilt"),
+        ({f"{FILM}.parameters.film_symmetry": "none"}, "film_symmetry"),
+    ):
+        with pytest.raises(BadInput, match=rf"symmetric: .*\.{reason} \("):
+            export.built(changed_case(demanded | changes), PATH.parent, "2.0")
 
 
 def test_a_film_with_an_odd_number_of_cells_around_is_computed_whole():

@@ -6,7 +6,7 @@ from cyclopts import Parameter
 
 from ...api.cases import open_case
 from ...api.fmus import compile_code
-from ...case.ahead import ahead
+from ...case.ahead import ahead, reject_asymmetry
 from ...case.checked import check_case
 from ...case.export import experiment_ahead, export_fmu
 from ...case.given import build_options
@@ -84,7 +84,7 @@ def built(case, folder, fmi):
     """Return the case with FMUs of this FMI version instead of the packages that build them.
 
     Their default experiment is the run of the case. Raises `BadInput` if a participant is neither
-    an FMU nor a package.
+    an FMU nor a package, or if the case demands a symmetry that its films do not have.
     """
     others = [
         f"participants.{name}: expected an FMU in an SSP, got a {kind}"
@@ -94,9 +94,13 @@ def built(case, folder, fmi):
     ]
     if others:
         raise BadInput(others)
+    reject_asymmetry(case, folder)
     usual = experiment_ahead(case, folder)
     options = build_options(case, folder, say)
-    halves = half_films(case, folder, ahead(case, folder), options, [])
+    faults: list[str] = []
+    halves = half_films(case, folder, ahead(case, folder), options, faults)
+    if faults:
+        raise BadInput(faults)
     fmus = {
         name: build_fmu(table.package, options[name], folder, say, fmi, experiment=usual)
         for name, table in case.participants.items()
