@@ -77,7 +77,7 @@ def groups(
             else:
                 halves += [name] if found.can_halve else []
                 reasons += [f"participants.{name}.{line}" for line in found.reasons]
-        reasons += _differing(case, surfaces, own.images)
+        reasons += _differing(case, surfaces, own.images, {body, *surfaces})
         for name in (body, *surfaces):
             reasons += _fields_from_outside(case, declared, name, {body, *surfaces})
         claims = [f"participants.{body}.build.{one}" for one in own.claims]
@@ -146,14 +146,21 @@ def _symmetry(package, build, parameters, folder) -> Symmetry | None:
         return None
 
 
-def _differing(case, surfaces, images):
-    """Return reasons of films on mirrored surfaces that are not the same."""
+def _differing(case, surfaces, images, group):
+    """Return reasons of films on mirrored surfaces that differ, also in wires from outside."""
     by_surface = {surface: name for name, surface in surfaces.items()}
     found = []
+
+    def own(name):
+        table = case.participants[name]
+        wires = [wire for wire in case.wires if port_of(wire.source)[0] not in group]
+        ends = [(port_of(wire.target), wire.source) for wire in wires]
+        outside = {(variable, source) for (owner, variable), source in ends if owner == name}
+        return table.build, table.parameters, outside
+
     for surface, name in by_surface.items():
         other = by_surface.get(images.get(surface, surface), name)
-        first, second = case.participants[name], case.participants[other]
-        if name < other and (first.build, first.parameters) != (second.build, second.parameters):
+        if name < other and own(name) != own(other):
             found.append(f"participants.{other} (differs from {name}, its mirror image)")
     return found
 

@@ -209,6 +209,21 @@ def test_films_of_a_pin_are_compared_with_their_images():
     ]
 
 
+def test_films_of_both_bosses_need_the_same_wires_from_outside():
+    """A viscosity from outside of one boss alone bends the piston across the thrust plane."""
+    path, wires = find_case("floating_pin"), []
+    changes = {
+        "participants.heat": {"table": "heat.csv"},
+        "coupling.order": ["heat", *open_case("floating_pin")["coupling.order"]],
+        "wires": wires,
+    }
+    expected = ["participants.right_film (differs from left_film, its mirror image)"], []
+    for film, reasons in zip(("left_film", "right_film"), expected):
+        wires.append({"from": "heat.mu", "to": f"{film}.viscosity"})
+        (group,) = groups_of(changes, path)
+        assert group.reasons == reasons
+
+
 def test_a_film_of_another_model_is_a_remark(tmp_path):
     film = tmp_path / "film.py"
     film.write_text("")
