@@ -253,7 +253,7 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         system.piston,
         system.mechanism,
         p.pin_inertia if p.pin_inertia > 0.0 else p.pin_mass * radius**2 / 2,
-        AxisShapes(none, none, none, none, none),
+        AxisShapes(none, none, none, none),
         modal_springs(setup.shell_omega, p),
         Crankshaft(
             fit.has_big_end,
@@ -358,7 +358,6 @@ def assemble_floating(
     piston, block, bosses, _ = bodies
     axis = own.axis
     setup = setup_of(bodies, options, parameters)
-    beam = None
     model = assembled(setup, settings_of(parameters, own.pin, *own.crank.values()))
     if axis:
         parts = model.parts
@@ -370,8 +369,7 @@ def assemble_floating(
             shapes=beam.shapes(modal_springs(beam.omega, parameters).damping),
         )
         model = model._replace(parts=parts._replace(bodies=shaped, surfaces=pins_in_block(films)))
-    found = _in_bore(with_inertia(model), block, options)
-    return found if beam is None else found.with_shapes(beam.omega)
+    return _in_bore(with_inertia(model), block, options)
 
 
 def pin_surfaces(

@@ -237,7 +237,7 @@ def imbalance(
                 b:      N - m_r G_x'' - C_x = 0,   -T - m_r G_y'' - C_y = 0
                 m:      -N + m_r G_x'' + m_c m_x'' + U u_x'' - O_x = 0
                         T + m_r G_y'' + m_c m_y'' + U u_y'' - O_y = 0
-                shapes: m s'' + D s' + K s - Q = 0      Q of Eq. (G8), of all films
+                shapes: s'' + D s' + K s - Q = 0        Q of Eq. (G8), of all films
                 shells: Eq. (D40)
                 G = R F - load,   I = F_t - (moment + guided x_A)
                 F, F_t, F_q the frame's rows, Eqs. (D1) to (D3), at R^T A''
@@ -301,13 +301,13 @@ def imbalance(
     for k in range(len(bodies.piston.stiffness)):
         residual[first.modes + k] = force.modal[k] - load.modal[k]
     shapes = bodies.shapes
-    n = len(shapes.mass)
+    n = len(shapes.stiffness)
     for k in range(n):
         for way in range(2):
             m = first.shapes + way * n + k
             held = shapes.damping[k] * now.velocity[m] + shapes.stiffness[k] * now.position[m]
             push = films.bosses.on_shapes[k, way] + films.eye.on_shapes[k, way]
-            residual[m] = shapes.mass[k] * now.acceleration[m] + held - push
+            residual[m] = now.acceleration[m] + held - push
     springs = bodies.shells
     for k in range(len(springs.stiffness)):
         # Eq. (D40)

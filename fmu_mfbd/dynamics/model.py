@@ -18,7 +18,6 @@ from .carrier import FIXED, Carrier
 from .contradictions import FAULTS
 from .generalised_alpha import Coefficients, coefficients
 from .half_films import check_even, check_half, is_half
-from .modal_damping import modal_springs
 from .parameters import Damping, Parameters
 from .pin_coordinates import layout, of_eye
 from .pin_instant import PinInstant
@@ -146,20 +145,12 @@ class PistonInBore:
         self.inertia = model.parts.inertia
         self.layout = layout(self.bodies)
         self.coordinates = coordinates_of(model)
-        self.shape_omega = np.zeros(0)
         self.residual_evaluations = 0
         self.jacobian_evaluations = 0
-
-    def with_shapes(self, omega: np.ndarray) -> "PistonInBore":
-        """Return the model, which then knows the frequencies of its pin's shapes [rad/s]."""
-        self.shape_omega = omega
-        return self
 
     def damp(self, damping: Damping) -> None:
         """Set the damping of all modes, from the next step on."""
         set_damping(self.model, damping)
-        shapes = self.model.parts.bodies.shapes
-        shapes.damping[:] = shapes.mass * modal_springs(self.shape_omega, damping).damping
 
     def start(
         self, crank_angle: float, lateral: float, angle: float, inputs: Inputs

@@ -122,7 +122,7 @@ class Layout(NamedTuple):
 def layout(bodies: PinBodies) -> Layout:
     """Return the first number of each block of coordinates."""
     shapes = COORDINATES + len(bodies.piston.stiffness)
-    eye = shapes + 2 * len(bodies.shapes.mass)
+    eye = shapes + 2 * len(bodies.shapes.stiffness)
     crank = eye + len(bodies.shells.stiffness)
     main_bearing_shell = crank - bodies.crank.main_bearing_modes
     big_end_shell = main_bearing_shell - bodies.crank.big_end_modes

@@ -18,7 +18,7 @@ def elastic_energy(bodies: PinBodies, position: np.ndarray) -> float:
         total += bodies.piston.stiffness[k] * position[first.modes + k] ** 2 / 2
     for k in range(len(bodies.shells.stiffness)):
         total += bodies.shells.stiffness[k] * position[first.eye + k] ** 2 / 2
-    n = len(bodies.shapes.mass)
+    n = len(bodies.shapes.stiffness)
     for k in range(n):
         for way in range(2):
             s = position[first.shapes + way * n + k]

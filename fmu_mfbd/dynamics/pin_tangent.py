@@ -50,7 +50,7 @@ def tangent(
     c1 = to_velocity
     c2 = to_position
     modes = len(bodies.piston.stiffness)
-    n = len(bodies.shapes.mass)
+    n = len(bodies.shapes.stiffness)
     frame = _frame_tangent(bodies.piston, lack.at.frame, c1, c2)
     moments = _turned_moments(first, now, films)
     rows = np.empty(FRAME + modes)
@@ -181,13 +181,13 @@ def _add_springs(out, bodies, c1, c2):
     """Add inertia, damping and stiffness that each coordinate has by itself to the tangent."""
     first = layout(bodies)
     shapes = bodies.shapes
-    n = len(shapes.mass)
+    n = len(shapes.stiffness)
     out[PIN.spin, PIN.spin] += bodies.spin_inertia
     for k in range(n):
         for way in range(2):
             m = first.shapes + way * n + k
             held = shapes.damping[k] * c1[m] + shapes.stiffness[k] * c2[m]
-            out[m, m] += shapes.mass[k] + held
+            out[m, m] += 1.0 + held
     springs = bodies.shells
     for k in range(len(springs.stiffness)):
         m = first.eye + k

@@ -141,11 +141,12 @@ def modes_of(model: BodyModel) -> tuple[int, int]:
 
 @compilable
 def set_damping(model: BodyModel, p: Any) -> None:
-    """Overwrite the damping of all modes but the shapes of a pin, by Eq. (I5)."""
+    """Overwrite the damping of all modes by Eq. (I5)."""
     system, bodies = model.parts.system, model.parts.bodies
     put_damping(system.chain.bodies.damping, system.chain.bodies.stiffness, p)
     put_damping(system.block.damping, system.block.stiffness, p)
     put_damping(bodies.piston.damping, bodies.piston.stiffness, p)
+    put_damping(bodies.shapes.damping, bodies.shapes.stiffness, p)
     put_damping(bodies.shells.damping, bodies.shells.stiffness, p)
 
 

@@ -36,7 +36,7 @@ class ShellModes(NamedTuple):
 
 
 class ModeMotion(NamedTuple):
-    """Modal coordinates of a shell (k,), or coordinates of a pin's shapes along x and y (n, 2) [m].
+    """Modal coordinates of a shell, (k,), or of a pin's shapes along x and y, (n, 2) [kg^1/2 m].
 
     And their velocities.
     """
@@ -63,8 +63,8 @@ class PinSurface(NamedTuple):
     modes : ShellModes
         Modes of the shell; a rigid shell has none.
     axis : ndarray, shape (a, n)
-        Values psi of the pin's shapes at the grid's rows [-]; a pin that is parallel to the shell
-        has none.
+        Values psi of the pin's shapes at the grid's rows [kg^-1/2]; a pin that is parallel to the
+        shell has none.
     """
 
     outward: Annotated[np.ndarray, "2, c"]
@@ -96,7 +96,7 @@ class PinResultants(NamedTuple):
     on_pin, on_shell : float
         Moments about the pin's axis and about the shell's, about +z [N m].
     on_shapes : ndarray, shape (n, 2)
-        Forces on the pin's shapes, along x and y in space [N].
+        Forces on the pin's shapes, along x and y in space [kg^-1/2 N].
     """
 
     force: np.ndarray
@@ -252,7 +252,7 @@ def opening_of(surface: PinSurface, place: np.ndarray, shapes: np.ndarray = PARA
     place : ndarray, shape (2,)
         d [m], or its rate [m/s].
     shapes : ndarray, shape (n, 2)
-        s in the axes of the shell [m], or its rate [m/s].
+        s in the axes of the shell [kg^1/2 m], or its rate.
 
     Returns
     -------
@@ -366,7 +366,7 @@ def resultants_on(
     axes : ndarray, shape (2, 2)
         R(chi), of `turned`.
     shapes : ndarray, shape (n, 2)
-        s_k in space [m].
+        s_k in space [kg^1/2 m].
     """
     around = surface.outward.shape[1]
     along = len(surface.clearance)

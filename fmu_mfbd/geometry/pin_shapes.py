@@ -76,26 +76,25 @@ class Section(NamedTuple):
 class AxisShapes(NamedTuple):
     """Shapes of a pin's axis, the same along x and y; without shapes it is parallel to its shells.
 
-    Coordinates s are displacements [m], and each of the n shapes has the mass of the pin.
+    The n shapes are mass-orthonormal, as all modes: coordinates s have the unit kg^1/2 m.
 
     Parameters
     ----------
-    mass, stiffness, damping : ndarray, shape (n,)
-        [kg], [N/m], [N s/m]
+    stiffness, damping : ndarray, shape (n,)
+        [rad2/s2], [rad/s]
     slope : ndarray, shape (n,)
-        Tilt of the pin per s [1/m].
+        Tilt of the pin per s [kg^-1/2 m^-1].
     sag : ndarray, shape (n,)
-        Displacement of the middle from the mean of both ends per s [-].
+        Displacement of the middle from the mean of both ends per s [kg^-1/2].
     """
 
-    mass: Vector
     stiffness: Vector
     damping: Vector
     slope: Vector
     sag: Vector
 
 
-STRAIGHT = AxisShapes(*[np.zeros(0)] * 5)
+STRAIGHT = AxisShapes(*[np.zeros(0)] * 4)
 """Shapes of a pin that neither tilts nor bends."""
 
 
@@ -116,21 +115,18 @@ class Beam(NamedTuple):
     polynomials: np.ndarray
 
     def at(self, z: np.ndarray) -> np.ndarray:
-        """Return the value of each shape at positions from the pin's middle [m], (len(z), n)."""
+        """Return each shape at positions from the pin's middle [m], (len(z), n) [kg^-1/2]."""
         return legendre.legval(2 * z / self.pin.length, self.polynomials).T
 
     def shapes(self, damping: np.ndarray) -> AxisShapes:
-        """Return the shapes with a damping by mass, 2 zeta omega [rad/s], (n,)."""
-        n = len(self.omega)
-        mass = np.full(n, self.pin.mass)
+        """Return the shapes with a damping 2 zeta omega [rad/s], (n,)."""
         ends = self.pin.length / 2 * np.array([-1.0, 0.0, 1.0])
         low, middle, high = self.at(ends)
-        slope = np.zeros(n)
+        slope = np.zeros(len(self.omega))
         slope[:1] = high[:1] * 2 / self.pin.length
         return AxisShapes(
-            mass=mass,
-            stiffness=mass * self.omega**2,
-            damping=mass * damping,
+            stiffness=self.omega**2,
+            damping=damping,
             slope=slope,
             sag=middle - (low + high) / 2,
         )
@@ -167,7 +163,7 @@ def free_beam(pin: HollowPin, n: int) -> Beam:
     Eq. (J29):  2 T = int (rho A w'^2 + rho I b'^2) dz
                 2 V = int (kappa G A (dw/dz - b)^2 + E I (db/dz)^2) dz
                 w, b: displacement of the axis and rotation of the section, Legendre polynomials
-    Eq. (J30):  2 T = m s'^2 of each;   tilt: w = s z (12/(L^2 + 12 I/A))^1/2
+    Eq. (J30):  2 T = s'^2 of each;   tilt: w = s z (12/(m (L^2 + 12 I/A)))^1/2
 
     The ends are free, because no condition restricts w or b there. Shapes are orthogonal in T, also
     to the pin's shift.
@@ -191,7 +187,7 @@ def free_beam(pin: HollowPin, n: int) -> Beam:
     norm = np.sqrt((2 * np.arange(size) + 1) / length)
     value = legendre.legvander(points, DEGREE) * norm
     rate = legendre.legval(points, legendre.legder(np.diag(norm))).T * 2 / length
-    # Eq. (J29), each unknown by the root of its mass: int of the values' squares is 1
+    # Eqs. (J29), (J30), each unknown by the root of its mass: int of the values' squares is 1
     sheared = np.hstack([rate / np.sqrt(of.mass), -value / np.sqrt(of.turning)])
     turned = np.hstack([np.zeros_like(rate), rate / np.sqrt(of.turning)])
     stiffness = of.shear * (sheared.T * weights) @ sheared
@@ -202,7 +198,7 @@ def free_beam(pin: HollowPin, n: int) -> Beam:
     polynomials = norm[:, None] * vectors[:size, bending] / np.sqrt(of.mass)
     tilt = np.zeros((size, min(n, 1)))
     tilt[1:2] = 1 / np.sqrt(pin.mass / 3 + 4 * of.turning / length)
-    both = np.sqrt(pin.mass) * np.hstack([tilt, polynomials])  # Eq. (J30)
+    both = np.hstack([tilt, polynomials])
     return Beam(
         pin,
         omega=np.concatenate([np.zeros(min(n, 1)), np.sqrt(square[bending])]),

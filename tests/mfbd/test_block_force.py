@@ -67,7 +67,7 @@ def all_momentum(model, position, velocity, crank):
     momentum = piston.mass * A_v + s_v + p.pin_mass * pin_v + p.rod_mass * rod_v
     momentum = momentum + mass * journal_v + thrown_v
     bent, bent_v = of_shapes(first, position), of_shapes(first, velocity)
-    shapes = model.bodies.shapes.mass @ [cross(*two) for two in zip(bent, bent_v)]
+    shapes = sum(cross(*two) for two in zip(bent, bent_v))
     return np.array(
         [
             *momentum,
