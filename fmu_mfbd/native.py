@@ -36,7 +36,6 @@ from .dynamics.assembly import (
     body_faults,
     load_bodies,
     setup_of,
-    with_inertia,
 )
 from .dynamics.block_force import BlockForce, force_change
 from .dynamics.carrier import FIXED, carrier_from
@@ -46,9 +45,8 @@ from .dynamics.generalised_alpha import coefficients
 from .dynamics.half_films import check_even, check_half
 from .dynamics.model import MOTION
 from .dynamics.parameters import Parameters, Settings, settings_of
-from .dynamics.pin_coordinates import COORDINATES, layout, of_eye
 from .dynamics.pin_instant import PinScalars
-from .dynamics.pin_shells import EYE
+from .dynamics.pin_shells import shell_modes_of
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.response import StepEnd
 from .dynamics.slider_crank import CrankMotion
@@ -77,6 +75,7 @@ from .dynamics.system import RingForce
 from .geometry.film import Limits, NodalForces
 from .geometry.pin import PinForces
 from .geometry.surfaces import are_films, are_pins
+from .mechanism.cylinder import COORDINATES, EYE
 from .native_fields import forces_at, put_films, put_stacked
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS
 
@@ -263,9 +262,7 @@ def given(slave: Any) -> np.ndarray:
         evaluations=np.zeros(1),
         tangents=np.zeros(1),
     )
-    square = np.zeros((n, n) if options.floating_pin else (0, 0))
-    whole = model._replace(parts=model.parts._replace(inertia=square, with_rod=square))
-    lengths = lengths_of(given, length_of_model(whole))
+    lengths = lengths_of(given, length_of_model(model))
     return memory_of({"given": row_of(given)}, dict(zip(BodyMemory._fields[1:], lengths)))
 
 
@@ -408,10 +405,12 @@ def publish(real, integer, given, model, result):
     first, last = modes_of(model)
     put_stacked(real, outputs.modal_coordinate, now.end.position[first:last])
     put_stacked(real, outputs.modal_velocity, now.kept.velocity[first:last])
-    at = layout(model.parts.bodies)
-    if at.big_end_shell > at.eye:
-        put_stacked(real, outputs.small_end_modal_coordinate, of_eye(at, now.end.position))
-        put_stacked(real, outputs.small_end_modal_velocity, of_eye(at, now.kept.velocity))
+    chain = model.parts.chain
+    if has_pins(model):
+        eye = shell_modes_of(chain, now.end.position, EYE)
+        put_stacked(real, outputs.small_end_modal_coordinate, eye)
+        eye = shell_modes_of(chain, now.kept.velocity, EYE)
+        put_stacked(real, outputs.small_end_modal_velocity, eye)
     real[outputs.cylinder_pressure] = result.others.wall.chamber
     real[outputs.side_force_demand] = result.side_force_demand
     given.evaluations[0] += now.evaluations
@@ -487,8 +486,6 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
         if odd[0] > 0.0:
             numbers_of_settings[SYMMETRY] = WHOLE
             model = assembled(given.bodies, settings_from(numbers_of_settings))
-    if has_pins(model):
-        model = with_inertia(model)
     if length_of_model(model) > len(parts.model):
         refuse(faults, FAULT.other_state, 0.0, 0.0, 0.0, 0.0, 0.0)
         return

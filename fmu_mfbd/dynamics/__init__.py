@@ -19,11 +19,7 @@ account            what they took from the film over it
 state              what a step starts from
 step               a step and its derivatives, for both FMUs
 model              one step after the other
-pin_coordinates    those of a pin on films of its own
-floating_pin       their equations of motion (K, D)
-pin_tangent        their derivative
-pin_inertia        inertia and energy of their motion
-pin_shells         where the pin is in its shells
+pin_shells         where a floating pin is in its shells
 pin_films          all films of pin and crank
 elimination        small systems of linear equations (N)
 pin_instant        all of it at one instant with a floating pin, compiled

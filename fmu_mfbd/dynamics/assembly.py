@@ -23,6 +23,8 @@ from ..geometry.surfaces import (
     row_at,
     with_room,
 )
+from ..mechanism.cylinder import EYE, Cylinder, by_bdf2, cylinder_chain, motion_across
+from ..mechanism.solution import no_chain_factors
 from ..mechanism.tied_pin import tied_pin
 from ..reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, ReducedShell, load
 from .bore_from_outside import outside_bore
@@ -45,11 +47,8 @@ from .parameters import (
     SpaceParameters,
     settings_of,
 )
-from .pin_coordinates import Crankshaft, PinBodies
 from .pin_films import PinSystem
 from .pin_friction import PinFriction
-from .pin_shells import EYE
-from .pin_tangent import inertia
 from .quasi_static import StaticModes, standing
 from .slider_crank import Mechanism
 from .space_model import PistonInSpace
@@ -205,7 +204,7 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
 
 @compilable
 def assembled(setup: BodySetup, p: Settings) -> BodyModel:
-    """Return the model for these parameters, without the inertia of a floating pin."""
+    """Return the model for these parameters, with a pin that stays parallel to its shells."""
     fit, body, wall = setup.fit, setup.piston, setup.wall
     films = setup.half_surfaces if is_halved(setup.half_surfaces, p) else setup.surfaces
     springs = modal_springs(setup.piston_omega, p)
@@ -248,25 +247,50 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         ),
     )
     none = np.zeros(0)
-    radius = pin_radius(fit.piston_radius, p)
-    bodies = PinBodies(
+    solid = p.pin_mass * pin_radius(fit.piston_radius, p) ** 2 / 2
+    parts = chained(setup, p, system, solid, none, AxisShapes(none, none), pin_films(setup, p))
+    return BodyModel(parts, p, setup.gas, setup.gas_area, setup.speed, setup.mounted, setup.radii)
+
+
+@compilable
+def chained(
+    setup: BodySetup,
+    p: Settings,
+    system: BodySystem,
+    spin_inertia: float,
+    omega: np.ndarray,
+    shapes: AxisShapes,
+    films: np.ndarray,
+) -> PinSystem:
+    """Return bodies and films as a chain, with the frequencies of the shapes of its pin [rad/s].
+
+    `spin_inertia` is that of the pin if its parameter is 0 [kg m2].
+    """
+    fit, n = setup.fit, len(omega)
+    free = np.empty(2 * n + len(setup.shell_omega))
+    for k in range(n):
+        free[k], free[n + k] = omega[k], omega[k]
+    for k in range(len(setup.shell_omega)):
+        free[2 * n + k] = setup.shell_omega[k]
+    cylinder = Cylinder(
         system.piston,
         system.mechanism,
-        p.pin_inertia if p.pin_inertia > 0.0 else p.pin_mass * radius**2 / 2,
-        AxisShapes(none, none, none, none),
-        modal_springs(setup.shell_omega, p),
-        Crankshaft(
-            fit.has_big_end,
-            fit.has_main_bearing,
-            p.crank_mass,
-            p.crank_unbalance,
-            setup.big_end_modes,
-            setup.main_bearing_modes,
-        ),
+        p.pin_inertia if p.pin_inertia > 0.0 else spin_inertia,
+        p.crank_mass,
+        p.crank_unbalance,
+        fit.floats,
+        fit.has_big_end,
+        fit.has_main_bearing,
+        modal_springs(free, p),
+        n,
+        setup.big_end_modes,
+        setup.main_bearing_modes,
     )
-    no_inertia = np.zeros((0, 0))
-    parts = PinSystem(system, bodies, pin_films(setup, p), no_inertia, no_inertia)
-    return BodyModel(parts, p, setup.gas, setup.gas_area, setup.speed, setup.mounted, setup.radii)
+    chain = cylinder_chain(cylinder)
+    inertia, with_rod = no_chain_factors().arrow, no_chain_factors().arrow
+    if fit.floats:
+        inertia, with_rod = motion_across(cylinder, 0.0), motion_across(cylinder, 1.0)
+    return PinSystem(system, chain, by_bdf2(chain), shapes, films, inertia, with_rod)
 
 
 @compilable
@@ -297,25 +321,6 @@ def pin_films(setup: BodySetup, p: Settings) -> np.ndarray:
         turned = PinSurface(one.outward, one.onward, radius, one.clearance, one.modes, one.axis)
         put_pin_surface(row_at(out, k), turned)
     return out
-
-
-@compilable
-def with_inertia(model: BodyModel) -> BodyModel:
-    """Return the same model with the inertia of its bodies, which a floating pin needs."""
-    parts = model.parts
-    bodies = parts.bodies
-    parts = PinSystem(
-        parts.system, bodies, parts.surfaces, inertia(bodies, 0.0), inertia(bodies, 1.0)
-    )
-    return BodyModel(
-        parts,
-        model.settings,
-        model.gas,
-        model.gas_area,
-        model.speed,
-        model.mounted,
-        model.radii,
-    )
 
 
 def assemble(
@@ -358,18 +363,18 @@ def assemble_floating(
     piston, block, bosses, _ = bodies
     axis = own.axis
     setup = setup_of(bodies, options, parameters)
-    model = assembled(setup, settings_of(parameters, own.pin, *own.crank.values()))
+    p = settings_of(parameters, own.pin, *own.crank.values())
+    model = assembled(setup, p)
     if axis:
         parts = model.parts
         beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
         rigid = each_pin_of(parts.surfaces)
         films = with_shapes(rigid, options.floating_pin, bosses, beam, axis)
-        shaped = parts.bodies._replace(
-            spin_inertia=own.pin.pin_inertia or beam.pin.spin_inertia(),
-            shapes=beam.shapes(modal_springs(beam.omega, parameters).damping),
-        )
-        model = model._replace(parts=parts._replace(bodies=shaped, surfaces=pins_in_block(films)))
-    return _in_bore(with_inertia(model), block, options)
+        spin = beam.pin.spin_inertia()
+        films = pins_in_block(films)
+        parts = chained(setup, p, parts.system, spin, beam.omega, beam.shapes(), films)
+        model = model._replace(parts=parts)
+    return _in_bore(model, block, options)
 
 
 def pin_surfaces(

@@ -10,15 +10,12 @@ References
 ed., Springer 1993, section III.5 (variable-step BDF and their stability).
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.arrays import Vector
+from ..mechanism.motion import Increments
 from .generalised_alpha import Coefficients, Motion, Prediction, predict
 from .impact import Inertia, limit_memory
-from .pin_coordinates import PIN, Layout, is_held
 
 LARGEST_RATIO = 2.0
 """Largest ratio of two steps that counts: BDF2 is zero-stable below 1 + sqrt(2) [Hairer1993]."""
@@ -46,38 +43,36 @@ def memory_of(step: float, last: float) -> float:
     return last * ratio**2 / (1 + 2 * ratio)  # Eq. (N11)
 
 
-class Reach(NamedTuple):
-    """Effect of a unit end acceleration on velocity [s] and position [s2] at the end of a step.
-
-    The shape is (n,).
-    """
-
-    velocity: Vector
-    position: Vector
-
-
 @compilable
-def reach_of(c: Coefficients, n: int) -> Reach:
-    """Return the reach of n coordinates in a step (Eqs. (N2), (N9))."""
-    out = Reach(np.empty(n), np.empty(n))
+def reach_of(c: Coefficients, by_bdf2: np.ndarray) -> Increments:
+    """Return the change of coordinates with their end accelerations (Eqs. (N2), (N9)).
+
+    `by_bdf2` is 1 for each coordinate that follows BDF2, else 0, shape (n,).
+    """
+    n = len(by_bdf2)
+    out = Increments(np.empty(n), np.empty(n), np.ones(n))
     own = c.step - c.memory
     for k in range(n):
-        out.velocity[k] = own if is_held(k) else c.to_velocity
-        out.position[k] = own**2 if is_held(k) else c.to_position
+        out.velocity[k] = own if by_bdf2[k] else c.to_velocity
+        out.position[k] = own**2 if by_bdf2[k] else c.to_position
     return out
 
 
 @compilable
 def predicted_of(
-    c: Coefficients, before: Motion, auxiliary: np.ndarray, mean_velocity: np.ndarray
+    c: Coefficients,
+    before: Motion,
+    auxiliary: np.ndarray,
+    mean_velocity: np.ndarray,
+    by_bdf2: np.ndarray,
 ) -> Prediction:
     """Return the end of a step without accelerations.
 
     Eq. (N9):  q'_1 = q'_0 + tau a_0 + (h - tau) q''_1,   a_1 = (q'_1 - q'_0)/h
                q_1  = q_0 + tau u_0 + (h - tau) q'_1,     u_1 = (q_1 - q_0)/h
 
-    This is BDF2 as a step of backward Euler (tau = 0) of length h - tau. It holds for the
-    coordinates of `is_held`, Eq. (N2) for the others.
+    This is BDF2 as a step of backward Euler (tau = 0) of length h - tau. Other coordinates follow
+    Eq. (N2).
 
     Parameters
     ----------
@@ -87,10 +82,12 @@ def predicted_of(
         q_0, q'_0 and q''_0, shape (n,).
     auxiliary, mean_velocity : ndarray, shape (n,)
         a_0 and u_0 [m/s2], [m/s].
+    by_bdf2 : ndarray, shape (n,)
+        As of `reach_of`.
     """
     end = predict(c, before, auxiliary)
     for k in range(len(end.position)):
-        if is_held(k):
+        if by_bdf2[k]:
             # Eq. (N9)
             end.velocity[k] = before.velocity[k] + c.memory * auxiliary[k]
             passed = c.memory * mean_velocity[k]
@@ -100,12 +97,12 @@ def predicted_of(
 
 @compilable
 def auxiliary_after(
-    c: Coefficients, predicted: Prediction, before: Motion, end: Motion
+    c: Coefficients, predicted: Prediction, before: Motion, end: Motion, by_bdf2: np.ndarray
 ) -> np.ndarray:
-    """Return a_1 of Eqs. (N2) and (N9), shape (n,)."""
+    """Return a_1 of Eqs. (N2) and (N9), shape (n,); `by_bdf2` as of `reach_of`."""
     out = predicted.auxiliary
     for k in range(len(out)):
-        if not is_held(k):
+        if not by_bdf2[k]:
             out[k] += c.to_auxiliary * end.acceleration[k]
         elif c.step > 0.0:
             out[k] = (end.velocity[k] - before.velocity[k]) / c.step
@@ -114,10 +111,13 @@ def auxiliary_after(
 
 @compilable
 def limit_plays(
-    first: Layout, before: Motion, end: Motion, auxiliary: np.ndarray, step: float
+    plays: np.ndarray, before: Motion, end: Motion, auxiliary: np.ndarray, step: float
 ) -> None:
-    """Bound what each play passes on if a film stopped it within the step, Eq. (N7)."""
-    for play in (PIN.boss_x, PIN.eye_x, first.big_end, first.main_bearing):
+    """Bound what each play passes on if a film stopped it within the step, Eq. (N7).
+
+    `plays` are the first coordinates of all, -1 for none.
+    """
+    for play in plays:
         if play >= 0:
             pair = slice(play, play + 2)
             limit_memory(

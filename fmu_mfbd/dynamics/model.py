@@ -11,6 +11,7 @@ from ...master.fmi.noted import none_yet, sentences_of
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import each_of, each_pin_of
+from ..mechanism.cylinder import EYE
 from .block_force import force_change
 from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, seen
 from .build_options import BuildOptions, FilmGrid
@@ -19,9 +20,9 @@ from .contradictions import FAULTS
 from .generalised_alpha import Coefficients, coefficients
 from .half_films import check_even, check_half, is_half
 from .parameters import Damping, Parameters
-from .pin_coordinates import layout, of_eye
 from .pin_instant import PinInstant
 from .pin_response import PinResponse
+from .pin_shells import shell_modes_of
 from .piston_motion import LATERAL, ROCKING
 from .slider_crank import CrankMotion
 from .state import PistonState, problem_of, step_coefficients
@@ -141,9 +142,7 @@ class PistonInBore:
         self.film_surfaces = each_of(system.surfaces)
         self.has_half_films = is_half(self.film_surfaces[0])
         self.pins = each_pin_of(model.parts.surfaces)
-        self.bodies = model.parts.bodies
-        self.inertia = model.parts.inertia
-        self.layout = layout(self.bodies)
+        self.chain = model.parts.chain
         self.coordinates = coordinates_of(model)
         self.residual_evaluations = 0
         self.jacobian_evaluations = 0
@@ -346,7 +345,7 @@ class PistonInBore:
     def _outputs(self, result: StepResult) -> dict[str, Any]:
         """Return all outputs by name; `variables.py` has their units."""
         instant = result.instant
-        now, at = instant.now, self.layout
+        now = instant.now
         first, last = modes_of(self.model)
         errors = zip((*self.films, *self.grids), (*now.films.work_error, *instant.work_error))
         outputs = {
@@ -366,9 +365,10 @@ class PistonInBore:
         if last > first:
             outputs["modal_coordinate"] = now.end.position[first:last].copy()
             outputs["modal_velocity"] = now.kept.velocity[first:last].copy()
-        if at.big_end_shell > at.eye:
-            outputs["small_end_modal_coordinate"] = of_eye(at, now.end.position).copy()
-            outputs["small_end_modal_velocity"] = of_eye(at, now.kept.velocity).copy()
+        if self.pins and self.chain.elements.modes[EYE]:
+            position, velocity = now.end.position, now.kept.velocity
+            outputs["small_end_modal_coordinate"] = shell_modes_of(self.chain, position, EYE).copy()
+            outputs["small_end_modal_velocity"] = shell_modes_of(self.chain, velocity, EYE).copy()
         of_pin = instant.scalars._asdict() if self.pins else {}
         return outputs | {k: v for k, v in of_pin.items() if not k.startswith(self.absent)}
 

@@ -19,9 +19,7 @@ import numpy as np
 
 from ..geometry.pin import turned
 from .block_force import BlockForce, all_on_block
-from .floating_pin import towards_crank_pin, turning
 from .generalised_alpha import Motion
-from .pin_coordinates import NO_MODES
 from .pin_friction import friction_moment
 from .piston_motion import LATERAL, ROCKING, Load, lateral_motion
 from .slider_crank import CrankMotion, Link, Mechanism, carried_mass, height, motion
@@ -358,7 +356,7 @@ def block_force(
 ) -> tuple[BlockForce, tuple[float, float, float]]:
     """Return the forces on the block in the plane, then force along z and moments about x and y.
 
-    Eq. (D53):  F_b = -(T + m_r G'' + U u''),   F and M_z of Eq. (D25)
+    Eq. (D53):  F_b = -(T + m_r G'' + U u''),   F and M_z of Eq. (D25), u towards the crank pin
                 F_z = -Z,   Z = roll (T_y - guided) - yaw T_x + load_z - K_z
                 M_x = -(load_roll - K_roll + Y Z - z (load_y + guided))
                 M_y = -(load_yaw - K_yaw - x Z + z load_x - guided roll (p + x_A))
@@ -381,14 +379,16 @@ def block_force(
     mechanism = bodies.mechanism
     at = place_of(bodies, now, crank)
     k = mechanism.rod_centre
-    flung = turning(towards_crank_pin(crank.angle), crank)
+    towards = np.array([-np.sin(crank.angle), np.cos(crank.angle)])
+    onward = np.array([-towards[1], towards[0]])
+    flung = onward * crank.acceleration - towards * crank.speed**2
     rod = (1 - k) * mechanism.crank_radius * flung + k * at.of_A
     # Eq. (D53)
     bearing = -(lack.from_rod + mechanism.rod_mass * rod + crank_unbalance * flung)
     lateral, _, z, *_ = now.position
     x = mechanism.offset + lateral
     y = height(mechanism, lateral, crank.angle).height
-    plane = Load(load.lateral, load.axial, load.moment, load.guided, NO_MODES)
+    plane = Load(load.lateral, load.axial, load.moment, load.guided, np.zeros(0))
     along, about_x, about_y = lack.held
     load_z, load_roll, load_yaw = load.across
     needed_z = _square(load, lack.from_rod, at.spin.tilt) + load_z + along

@@ -1,7 +1,7 @@
 """All films of pin and crank: forces on the bodies, thickness, velocity, and what changes them.
 
-Films stand in the order of `PIN_SURFACES` and `CRANK_SURFACES`; their fields are stacked, as the
-skirt's are.
+Films stand in the order of `PIN_SURFACES` and `CRANK_SURFACES`, as the first elements of the chain;
+their fields are stacked, as the skirt's are.
 """
 
 from typing import NamedTuple
@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.arrays import Matrix, Vector
+from ..geometry.arrays import Vector
 from ..geometry.pin import (
     ModeMotion,
     PinForces,
-    PinResultants,
     PinSurface,
     across,
+    axes_of,
     in_axes,
     modal_push,
     opening_of,
@@ -25,24 +25,26 @@ from ..geometry.pin import (
     slope_push,
     yielded,
 )
+from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import pin_surface_at, pins_of
-from .floating_pin import PinFilms, no_film
+from ..mechanism.chain import Chain, Loads
+from ..mechanism.cylinder import EYE
+from ..mechanism.loads import MOMENT, REACTION, HeldForces
+from ..mechanism.motion import ChainChange, ChainMotion
+from .floating_frame import TURN, Arrow, X, Y
 from .generalised_alpha import Motion
-from .pin_coordinates import Layout, PinBodies, layout, of_shapes
 from .pin_shells import (
-    EYE,
     Shell,
-    _big_end,
-    _shell_change,
-    first_mode,
     own_bent,
     own_velocity,
+    shapes_of,
+    shell_change,
     shell_modes_of,
     shell_of,
     turned_back,
 )
+from .piston_motion import Load
 from .skirt_films import FilmChange, stack
-from .slider_crank import CrankMotion, Mechanism
 from .system import BodySystem
 
 
@@ -53,18 +55,25 @@ class PinSystem(NamedTuple):
     ----------
     system : BodySystem
         The same with the pin tied. If the pin floats, no mode is static, and the block is rigid.
-    bodies : PinBodies
+    chain : Chain
+        Of `mechanism.cylinder`.
+    by_bdf2 : ndarray, shape (n,)
+        1 for each coordinate that follows BDF2, else 0.
+    shapes : AxisShapes
+        Of the pin.
     surfaces : ndarray
         Films of pin and crank, a block of `geometry.pin_surfaces`.
-    inertia, with_rod : ndarray, shape (n, n)
-        `pin_tangent.inertia` without and with the rod; (0, 0) if the pin is tied.
+    inertia, with_rod : Arrow
+        `cylinder.motion_across` without and with the rod; empty if the pin is tied.
     """
 
     system: BodySystem
-    bodies: PinBodies
+    chain: Chain
+    by_bdf2: Vector
+    shapes: AxisShapes
     surfaces: Vector
-    inertia: Matrix
-    with_rod: Matrix
+    inertia: Arrow
+    with_rod: Arrow
 
 
 @compilable
@@ -75,125 +84,61 @@ def on_film(surface: PinSurface, forces: PinForces, first: int) -> PinForces:
 
 
 @compilable
-def resultants_of(
-    surface: PinSurface, forces: PinForces, shell: Shell, modal: np.ndarray
-) -> PinResultants:
-    """Return the resultants of a film whose shell deflects by modal coordinates."""
-    bent = shell.bent.position
-    found = resultants_on(surface, forces, shell.place, shell.axes, bent)
-    push = slope_push(surface, forces.pressure)
-    moment = 0.0
-    for m in range(len(push)):
-        moment += push[m] * modal[m]
-    on_pin = found.on_pin + moment
-    return PinResultants(found.force, on_pin, found.on_shell - moment, found.on_shapes)
+def held_forces(of: PinSystem, load: Load, forces: PinForces) -> HeldForces:
+    """Return the forces of all elements: films of pin and crank, then skirt and gas.
 
-
-@compilable
-def added(one: PinResultants, other: PinResultants) -> PinResultants:
-    """Return the sum of the resultants of two films of a pin."""
-    shapes = np.empty(one.on_shapes.shape)
-    for k in range(len(shapes)):
-        for way in range(2):
-            shapes[k, way] = one.on_shapes[k, way] + other.on_shapes[k, way]
-    return PinResultants(
-        pair(one.force[0] + other.force[0], one.force[1] + other.force[1]),
-        one.on_pin + other.on_pin,
-        one.on_shell + other.on_shell,
-        shapes,
+    Parameters
+    ----------
+    of : PinSystem
+    load : Load
+        On the piston, without its pin.
+    forces : PinForces
+        Of all films of pin and crank, stacked [N].
+    """
+    elements = of.chain.elements
+    n = len(elements.acts)
+    slopes, shapes = 0, 0
+    for e in range(n):
+        slopes += elements.modes[e]
+        shapes = max(shapes, elements.shapes[e])
+    out = HeldForces(
+        np.zeros((n, 2)),
+        np.zeros(n),
+        np.zeros(len(of.chain.bodies.stiffness)),
+        np.empty(slopes),
+        np.zeros((n, shapes, 2)),
     )
-
-
-class OnModes(NamedTuple):
-    """Loads of the films of pin and crank by the modes of their shells.
-
-    Moments on pin and crank come from the slopes of bosses and other shells (Eq. (G5)), by modal
-    coordinate. Forces act on the piston's modes and on those of the shells (Eq. (G6)).
-    """
-
-    slope_push: np.ndarray
-    shell_slope_push: np.ndarray
-    on_piston: np.ndarray
-    on_shells: np.ndarray
-
-
-@compilable
-def on_modes_of(surfaces: np.ndarray, first: Layout, forces: PinForces) -> OnModes:
-    """Return the loads of the films by the modes of their shells; `surfaces` as in `PinSystem`."""
-    k = first.shapes - first.modes
-    m = first.crank - first.eye
-    out = OnModes(np.zeros(k), np.zeros(m), np.zeros(k), np.zeros(m))
-    cell = 0
-    for film in range(pins_of(surfaces)):
-        surface = pin_surface_at(surfaces, film)
+    for k in range(len(load.modal)):
+        out.modal[k] = load.modal[k]
+    cell, slope = 0, 0
+    for e in range(n - 2):
+        surface = pin_surface_at(of.surfaces, e)
         own = on_film(surface, forces, cell)
         cell += len(own.pressure)
-        slopes = slope_push(surface, own.pressure)
-        pushes = modal_push(surface, own)
-        begins = first_mode(first, film) - first.eye
-        for n in range(len(slopes)):
-            if film < EYE:
-                out.slope_push[n] += slopes[n]
-                out.on_piston[n] += pushes[n]
-            else:
-                out.shell_slope_push[begins + n] += slopes[n]
-                out.on_shells[begins + n] += pushes[n]
+        still = np.zeros((surface.axis.shape[1], 2))
+        found = resultants_on(surface, own, np.zeros(2), axes_of(1.0, 0.0), still)
+        out.moment[e] = found.on_pin
+        for way in range(2):
+            out.force[e, way] = found.force[way]
+            for k in range(elements.shapes[e]):
+                out.on_shapes[e, k, way] = found.on_shapes[k, way]
+        by_slope, push = slope_push(surface, own.pressure), modal_push(surface, own)
+        for k in range(len(push)):
+            out.modal[elements.mode[e] + k] += push[k]
+            out.slopes[slope + k] = by_slope[k]
+        slope += len(push)
+    skirt = n - 2
+    out.force[skirt, X], out.force[skirt, Y] = load.lateral, load.axial + load.guided
+    out.moment[skirt] = load.moment
+    out.force[skirt + 1, Y] = -load.guided
     return out
 
 
 @compilable
-def total(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return the sum of two arrays of one axis, in a loop."""
-    out = np.empty(len(a))
-    for k in range(len(a)):
-        out[k] = a[k] + b[k]
-    return out
-
-
-@compilable
-def films_at(
-    surfaces: np.ndarray,
-    mechanism: Mechanism,
-    first: Layout,
-    forces: PinForces,
-    now: Motion,
-    crank: CrankMotion,
-    by: OnModes,
-) -> PinFilms:
-    """Return the resultants of all films of the pin in a motion, both bosses as one.
-
-    `surfaces` are those of `PinSystem`.
-    """
-    shapes = (first.eye - first.shapes) // 2
-    both = no_film(shapes)
-    eye = no_film(shapes)
-    big_end = no_film(0)
-    main_bearing = no_film(0)
-    cell = 0
-    for k in range(pins_of(surfaces)):
-        surface = pin_surface_at(surfaces, k)
-        shell = shell_of(mechanism, first, now, crank, k)
-        own = on_film(surface, forces, cell)
-        cell += len(own.pressure)
-        found = resultants_of(surface, own, shell, shell_modes_of(first, now.position, k))
-        if k < EYE:
-            both = added(both, found)
-        elif k == EYE:
-            eye = found
-        elif k == _big_end(first):
-            big_end = found
-        else:
-            main_bearing = found
-    slopes, pushes = by.shell_slope_push, by.on_shells
-    return PinFilms(both, eye, by.slope_push, slopes, pushes, big_end, main_bearing)
-
-
-@compilable
-def _work_error(first, surface, forces, shell, end, k):
+def _work_error(of, surface, forces, shell, loads, end, e):
     """Return the relative power error of a film, on the grid (Eq. (G4)) and in coordinates [-]."""
-    modal = shell_modes_of(first, end.position, k)
-    modal_velocity = shell_modes_of(first, end.velocity, k)
-    found = resultants_of(surface, forces, shell, modal)
+    modal = shell_modes_of(of.chain, end.position, e)
+    modal_velocity = shell_modes_of(of.chain, end.velocity, e)
     place = in_axes(shell.axes, shell.place)
     on_grid = power_on_grid(
         surface,
@@ -204,29 +149,28 @@ def _work_error(first, surface, forces, shell, end, k):
         ModeMotion(modal, modal_velocity),
         own_bent(shell),
     )
-    moving = found.force[0] * shell.velocity[0] + found.force[1] * shell.velocity[1]
-    shell_turns = found.on_shell * shell.own_turning
-    pin_turns = found.on_pin * (shell.own_turning + shell.turning)
+    wrench = loads.wrench[e]
+    moving = wrench[X] * shell.velocity[0] + wrench[Y] * shell.velocity[1]
+    shell_turns = wrench[REACTION] * shell.own_turning
+    pin_turns = wrench[MOMENT] * (shell.own_turning + shell.turning)
     yields = 0.0
     push = modal_push(surface, forces)
     for m in range(len(push)):
         yields += push[m] * modal_velocity[m]
     bends = 0.0
-    for m in range(len(found.on_shapes)):
+    for m in range(of.chain.elements.shapes[e]):
         for way in range(2):
-            bends += found.on_shapes[m, way] * shell.bent.velocity[m, way]
+            bends += loads.on_shapes[e, m, way] * shell.bent.velocity[m, way]
     in_coordinates = moving + shell_turns + yields + bends + pin_turns
     size = on_grid.size + abs(moving) + abs(shell_turns) + abs(yields) + abs(bends) + abs(pin_turns)
     return abs(on_grid.power - in_coordinates) / size if size > 0.0 else 0.0
 
 
 @compilable
-def gap_of(
-    first: Layout, surface: PinSurface, shell: Shell, coordinates: np.ndarray, k: int
-) -> np.ndarray:
-    """Return the film thickness of film k, (c, a) [m]."""
+def gap_of(surface: PinSurface, shell: Shell, modal: np.ndarray) -> np.ndarray:
+    """Return the film thickness in a shell that deflects by modal coordinates, (c, a) [m]."""
     gap = opening_of(surface, in_axes(shell.axes, shell.place), own_bent(shell).position)
-    opened = yielded(surface, shell_modes_of(first, coordinates, k))
+    opened = yielded(surface, modal)
     around, along = gap.shape
     for i in range(around):
         for j in range(along):
@@ -243,70 +187,74 @@ class PinFilmState(NamedTuple):
         As of `PinInstant`.
     friction_power : float
         Of the films of the pin [W].
-    rod_turning : float
-        Angular velocity of the rod [rad/s].
+    driven : float
+        Power on rod and crank, whose angles are no coordinates [W].
     """
 
     film_thickness: np.ndarray
     circumferential_velocity: np.ndarray
     work_error: np.ndarray
     friction_power: float
-    rod_turning: float
+    driven: float
 
 
 @compilable
-def pin_films(of: PinSystem, forces: PinForces, end: Motion, crank: CrankMotion) -> PinFilmState:
+def pin_films(
+    of: PinSystem, forces: PinForces, loads: Loads, at: ChainMotion, end: Motion
+) -> PinFilmState:
     """Return all films of pin and crank at an instant."""
-    at = layout(of.bodies)
     cells = len(forces.pressure)
     gaps = np.empty(cells)
     around = np.empty(cells)
     errors = np.empty(pins_of(of.surfaces))
-    friction_power = 0.0
-    rod_turning = 0.0
+    friction_power, driven = 0.0, 0.0
     first = 0
-    for k in range(len(errors)):
-        surface = pin_surface_at(of.surfaces, k)
-        shell = shell_of(of.bodies.mechanism, at, end, crank, k)
+    for e in range(len(errors)):
+        surface = pin_surface_at(of.surfaces, e)
+        shell = shell_of(of.chain, at, end, e)
         own = on_film(surface, forces, first)
         last = first + len(own.pressure)
-        stack(gaps, first, gap_of(at, surface, shell, end.position, k))
+        stack(gaps, first, gap_of(surface, shell, shell_modes_of(of.chain, end.position, e)))
         for cell in range(first, last):
             around[cell] = surface.radius * shell.turning  # Eq. (H7)
-        errors[k] = _work_error(at, surface, own, shell, end, k)
-        if k <= EYE:
-            yields = shell_modes_of(at, end.position, k)
-            friction_power -= shell.turning * resultants_of(surface, own, shell, yields).on_pin
-        if k == EYE:
-            rod_turning = shell.own_turning
+        errors[e] = _work_error(of, surface, own, shell, loads, end, e)
+        if e <= EYE:
+            friction_power -= shell.turning * loads.wrench[e, MOMENT]
+        for body, moment in (
+            (of.chain.elements.acts[e], loads.wrench[e, MOMENT]),
+            (of.chain.elements.reacts[e], loads.wrench[e, REACTION]),
+        ):
+            if body >= 0 and of.chain.joints.angle[body] < 0:
+                driven += moment * at.velocity[body, TURN]
         first = last
-    return PinFilmState(gaps, around, errors, friction_power, rod_turning)
+    return PinFilmState(gaps, around, errors, friction_power, driven)
 
 
 @compilable
-def pin_changes(of: PinSystem, end: Motion, moved: Motion, crank: CrankMotion) -> FilmChange:
-    """Return the change of all films of pin and crank with a change of the motion."""
-    at = layout(of.bodies)
+def pin_changes(
+    of: PinSystem, at: ChainMotion, end: Motion, moved: Motion, bodies: ChainChange
+) -> FilmChange:
+    """Return the change of all films of pin and crank with a change of coordinates and bodies."""
     cells = 0
-    for k in range(pins_of(of.surfaces)):
-        surface = pin_surface_at(of.surfaces, k)
+    for e in range(pins_of(of.surfaces)):
+        surface = pin_surface_at(of.surfaces, e)
         cells += surface.outward.shape[1] * len(surface.clearance)
     gaps = np.empty(cells)
     velocities = np.empty(cells)
     first = 0
-    for k in range(pins_of(of.surfaces)):
-        surface = pin_surface_at(of.surfaces, k)
-        shell = shell_of(of.bodies.mechanism, at, end, crank, k)
-        by_motion = _shell_change(of.bodies.mechanism, at, end, moved, crank, k)
+    for e in range(pins_of(of.surfaces)):
+        surface = pin_surface_at(of.surfaces, e)
+        shell = shell_of(of.chain, at, end, e)
+        by_motion = shell_change(of.chain, moved, bodies, e)
         aside = across(shell.place)
         turn = by_motion.turn
         way = in_axes(
             shell.axes,
             pair(by_motion.place[0] - turn * aside[0], by_motion.place[1] - turn * aside[1]),
         )
-        more = of_shapes(at, moved.position)
+        more = shapes_of(of.chain, moved.position, e)
         gap = opening_of(surface, way, turned_back(shell, shell.bent.position, more, turn))
-        opened = yielded(surface, shell_modes_of(at, moved.position, k))
+        opened = yielded(surface, shell_modes_of(of.chain, moved.position, e))
         around, along = gap.shape
         for i in range(around):
             for j in range(along):

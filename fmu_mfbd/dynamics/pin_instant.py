@@ -1,6 +1,6 @@
 """End of a step of a piston on a floating pin, the counterpart of `instant`.
 
-The equations are in `film`, `pin`, `floating_pin` and `slider_crank`.
+The equations are in `film`, `pin` and `mechanism`.
 """
 
 from typing import Annotated, NamedTuple
@@ -8,40 +8,26 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..geometry.film import NodalForces
+from ..geometry.film import FilmForces, NodalForces
 from ..geometry.pin import PinForces, diameters, yielded
-from ..geometry.pin_shapes import AxisShapes
-from ..geometry.surfaces import pin_surface_at, pins_of
-from .bdf2 import Reach, auxiliary_after, limit_plays, predicted_of, reach_of
-from .block_force import BlockForce, all_on_block
-from .carrier import FIXED
-from .elimination import LUFactors, factorise, substitute
+from ..geometry.surfaces import pin_surface_at
+from ..mechanism.chain import Chain, Loads
+from ..mechanism.cylinder import BODY, EYE, PIN, film_of
+from ..mechanism.equations import ChainForces, chain_tangent, forces_at
+from ..mechanism.loads import MOMENT, REACTION, HeldForces, loads_at
+from ..mechanism.motion import Increments, chain_motion
+from ..mechanism.solution import ChainFactors, arrow_product, factorise_chain, solve_coupled
+from .bdf2 import auxiliary_after, limit_plays, predicted_of, reach_of
+from .block_force import BlockForce
+from .carrier import Carrier
 from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
-from .floating_pin import (
-    PinFilms,
-    PinImbalance,
-    generalised_forces,
-    imbalance,
-    on_rod,
-)
+from .floating_frame import TURN, X, Y
 from .generalised_alpha import Motion, Prediction
 from .impact import limit_memory
 from .instant import Instant, load_of, rigid_piston, with_gas
-from .pin_coordinates import (
-    PIN,
-    Layout,
-    _of_skirt,
-    eye_motion,
-    layout,
-    lifted,
-    of_shapes,
-    play_at,
-)
-from .pin_films import OnModes, PinSystem, films_at, on_modes_of, pin_films, total
-from .pin_inertia import elastic_energy
-from .pin_shells import EYE, _big_end, shell_modes_of
-from .pin_tangent import tangent
-from .piston_motion import LATERAL, Load
+from .pin_films import PinSystem, held_forces, pin_films
+from .pin_shells import play_at, shapes_of, shell_modes_of
+from .piston_motion import LATERAL, RIGID, ROCKING
 from .skirt_films import AxialMotion, forces_by_film, skirt_films, together
 from .slider_crank import CrankMotion, height
 from .system import StepProblem
@@ -51,14 +37,14 @@ PASSES = 30
 
 
 class PinSolution(NamedTuple):
-    """Accelerations that fulfil Eq. (D21), and what goes with them.
+    """Accelerations that fulfil Eq. (D61), and what goes with them.
 
     Parameters
     ----------
     end : Motion
-    films : PinFilms
-    lack : PinImbalance
-    factors : LUFactors
+    loads : Loads
+    forces : ChainForces
+    factors : ChainFactors
         Of the tangent there.
     evaluations : int
         0 where the equations were not solved.
@@ -67,9 +53,9 @@ class PinSolution(NamedTuple):
     """
 
     end: Motion
-    films: PinFilms
-    lack: PinImbalance
-    factors: LUFactors
+    loads: Loads
+    forces: ChainForces
+    factors: ChainFactors
     evaluations: int
     change: float
 
@@ -137,8 +123,8 @@ class PinInstant(NamedTuple):
     work_error : ndarray, shape (films,)
         Power of each film on its grid minus that in the coordinates, relative [-].
     scalars : PinScalars
-    factors : LUFactors
-        Of the tangent of Eq. (D21), for derivatives.
+    factors : ChainFactors
+        Of the tangent, for derivatives.
     on_block : BlockForce
     """
 
@@ -147,7 +133,7 @@ class PinInstant(NamedTuple):
     circumferential_velocity: np.ndarray
     work_error: np.ndarray
     scalars: PinScalars
-    factors: LUFactors
+    factors: ChainFactors
     on_block: BlockForce
 
 
@@ -170,32 +156,29 @@ def solved(
     of: PinSystem,
     predicted: Prediction,
     begun: np.ndarray,
-    reach: Reach,
-    load: Load,
+    by: Increments,
+    held: HeldForces,
+    carrier: Carrier,
     crank: CrankMotion,
-    forces: PinForces,
-    by: OnModes,
 ) -> PinSolution:
-    """Solve Eq. (D21) for the accelerations at the end of a step, by Newton's method.
+    """Solve Eq. (D61) for the accelerations at the end of a step, by Newton's method.
 
-    The iteration starts from zero accelerations and from those at the beginning of the step.
+    The iteration starts from those at the beginning of the step.
     """
-    bodies = of.bodies
-    first = layout(bodies)
-    mechanism = bodies.mechanism
+    chain = of.chain
     n = len(begun)
     end = Motion(np.empty(n), np.empty(n), begun.copy())
     change = np.inf
     evaluations = 0
     for evaluation in range(1, PASSES + 1):
         for k in range(n):
-            end.position[k] = predicted.position[k] + reach.position[k] * end.acceleration[k]
-            end.velocity[k] = predicted.velocity[k] + reach.velocity[k] * end.acceleration[k]
-        films = films_at(of.surfaces, mechanism, first, forces, end, crank, by)
-        lack = imbalance(bodies, load, end, crank, films)
-        slope = tangent(bodies, load, end, films, lack, reach.velocity, reach.position)
-        factors = factorise(slope)
-        step = substitute(factors, lack.residual)
+            end.position[k] = predicted.position[k] + by.position[k] * end.acceleration[k]
+            end.velocity[k] = predicted.velocity[k] + by.velocity[k] * end.acceleration[k]
+        at = chain_motion(chain.joints, end, crank)
+        loads = loads_at(chain, held, at, end)
+        forces = forces_at(chain, loads, at, end, carrier)
+        factors = factorise_chain(chain_tangent(chain, loads, end, forces, by))
+        step = solve_coupled(chain.bodies, at, carrier, by, factors, forces.residual)
         size = largest(end.acceleration)
         left = largest(step)
         # what grows again, or does not fall by ten, is round-off of forces that cancel
@@ -206,47 +189,45 @@ def solved(
             break
         for k in range(n):
             end.acceleration[k] -= step[k]
-    return PinSolution(end, films, lack, factors, evaluations, change)
+    return PinSolution(end, loads, forces, factors, evaluations, change)
 
 
 @compilable
-def product(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Return the product of a symmetric matrix and a vector, by loops: the same bits everywhere."""
-    n = len(vector)
-    out = np.zeros(n)
-    for j in range(n):
-        for i in range(n):
-            out[i] += matrix[j, i] * vector[j]
-    return out
+def _wrench_of(loads, e):
+    """Return the force and the moments of film e, zeros without this film."""
+    return loads.wrench[e] if e >= 0 else np.zeros(loads.wrench.shape[1])
 
 
 @compilable
-def _widened(surfaces, first, position, k):
-    """Return the changes of diameter of the shell of film k, 0 without this film."""
-    if k < 0:
+def _widened(of, position, e):
+    """Return the changes of diameter of the shell of film e, 0 without this film."""
+    if e < 0:
         return 0.0, 0.0
-    return diameters(yielded(pin_surface_at(surfaces, k), shell_modes_of(first, position, k)))
+    return diameters(yielded(pin_surface_at(of.surfaces, e), shell_modes_of(of.chain, position, e)))
 
 
 @compilable
-def pin_scalars(
-    shapes: AxisShapes, surfaces: np.ndarray, first: Layout, now: Motion, films: PinFilms
-) -> PinScalars:
-    """Return the scalar outputs at an instant; `surfaces` are those of `PinSystem`."""
-    position = now.position
+def pin_scalars(of: PinSystem, now: Motion, loads: Loads) -> PinScalars:
+    """Return the scalar outputs at an instant."""
+    position, play = now.position, of.chain.joints.play
     tilt = np.zeros(2)
     sag = np.zeros(2)
-    bent = of_shapes(first, position)
+    bent = shapes_of(of.chain, position, EYE)
     for k in range(len(bent)):
         for way in range(2):
-            tilt[way] += shapes.slope[k] * bent[k, way]
-            sag[way] += shapes.sag[k] * bent[k, way]
-    wider = _widened(surfaces, first, position, EYE)
-    big_end = _widened(surfaces, first, position, _big_end(first))
-    last = pins_of(surfaces) - 1
-    main = _widened(surfaces, first, position, last if first.main_bearing >= 0 else -1)
-    crank_pin = play_at(first.big_end, position)
-    journal = play_at(first.main_bearing, position)
+            tilt[way] += of.shapes.slope[k] * bent[k, way]
+            sag[way] += of.shapes.sag[k] * bent[k, way]
+    in_big_end, in_main = film_of(of.chain, BODY.rod), film_of(of.chain, BODY.crank)
+    eye, big_end, main_bearing = (
+        _wrench_of(loads, EYE),
+        _wrench_of(loads, in_big_end),
+        _wrench_of(loads, in_main),
+    )
+    wider = _widened(of, position, EYE)
+    wider_end = _widened(of, position, in_big_end)
+    wider_main = _widened(of, position, in_main)
+    crank_pin = play_at(play[BODY.rod], position)
+    journal = play_at(play[BODY.crank], position)
     return PinScalars(
         pin_displacement_x=position[PIN.boss_x],
         pin_displacement_y=position[PIN.boss_y],
@@ -254,9 +235,9 @@ def pin_scalars(
         small_end_displacement_y=position[PIN.eye_y],
         pin_angle=position[PIN.spin],
         pin_rotation_speed=now.velocity[PIN.spin],
-        small_end_force_x=-films.eye.force[0],
-        small_end_force_y=-films.eye.force[1],
-        small_end_friction_moment=films.eye.on_shell,
+        small_end_force_x=-eye[X],
+        small_end_force_y=-eye[Y],
+        small_end_friction_moment=eye[REACTION],
         pin_tilt_x=tilt[0],
         pin_tilt_y=tilt[1],
         pin_bending_x=sag[0],
@@ -265,61 +246,76 @@ def pin_scalars(
         small_end_widening_along=wider[1],
         big_end_displacement_x=crank_pin[0],
         big_end_displacement_y=crank_pin[1],
-        big_end_force_x=-films.big_end.force[0],
-        big_end_force_y=-films.big_end.force[1],
-        big_end_friction_moment=films.big_end.on_shell,
-        big_end_widening_across=big_end[0],
-        big_end_widening_along=big_end[1],
+        big_end_force_x=-big_end[X],
+        big_end_force_y=-big_end[Y],
+        big_end_friction_moment=big_end[REACTION],
+        big_end_widening_across=wider_end[0],
+        big_end_widening_along=wider_end[1],
         main_bearing_displacement_x=journal[0],
         main_bearing_displacement_y=journal[1],
-        main_bearing_force_x=-films.main_bearing.force[0],
-        main_bearing_force_y=-films.main_bearing.force[1],
-        main_bearing_friction_moment=films.main_bearing.on_shell,
-        main_bearing_widening_x=main[0],
-        main_bearing_widening_y=main[1],
+        main_bearing_force_x=-main_bearing[X],
+        main_bearing_force_y=-main_bearing[Y],
+        main_bearing_friction_moment=main_bearing[REACTION],
+        main_bearing_widening_x=wider_main[0],
+        main_bearing_widening_y=wider_main[1],
     )
 
 
 @compilable
-def _axial_motion(mechanism, first, end, crank):
-    """Return the motion of A along the bore."""
-    eye = eye_motion(first, end)
-    now = height(mechanism, eye.position, crank.angle)
-    velocity = now.slope * eye.velocity + now.lever * crank.speed
-    return AxialMotion(
-        now.height + lifted(first, end.position), velocity + lifted(first, end.velocity)
-    )
+def _block_force(chain, loads, forces):
+    """Return the forces on the block, those on the main bearing from its film or joint."""
+    film = film_of(chain, BODY.crank)
+    on_crank = loads.wrench[film] if film >= 0 else forces.joints[BODY.crank]
+    x, y = -on_crank[X], -on_crank[Y]
+    return BlockForce(forces.on_block[X], forces.on_block[Y], forces.on_block[TURN], x, y)
 
 
 @compilable
-def _block_force(mechanism, first, load, end, axial, films, lack):
-    """Return the forces on the block.
+def coordinate_forces(chain: Chain, loads: Loads, skirt: FilmForces) -> np.ndarray:
+    """Return the generalised forces of all films, but for what they do along the driven motion.
 
-    Eq. (D54):  F_b of Eq. (D25) with N - m_r G_x'' - m_c m_x'' - U u_x'' and
-                -T - m_r G_y'' - m_c m_y'' - U u_y'' of Eq. (D21), or -O of a film;
-                M of Eq. (D25) + its moment on the main bearing
+    `loads` are those of films alone, `skirt` those of the skirt.
     """
-    x, y = lack.on_bearings
-    if first.main_bearing >= 0:
-        x, y = -films.main_bearing.force[0], -films.main_bearing.force[1]
-    lateral = end.position[LATERAL]
-    on = all_on_block(load, lateral, mechanism.offset + lateral, axial.height, x, y)
-    moment = on.moment_on_block + films.main_bearing.on_shell
-    # Eq. (D54)
-    return BlockForce(on.force_on_block_x, on.force_on_block_y, moment, x, y)
+    elements, angle = chain.elements, chain.joints.angle
+    m = chain.joints.tip.shape[1]
+    out = np.zeros(m + len(loads.modal))
+    out[LATERAL], out[ROCKING] = skirt.lateral, skirt.moment
+    for e in range(len(elements.acts)):
+        wrench, play = loads.wrench[e], elements.play[e]
+        if play < 0:
+            continue
+        out[play] += wrench[X]
+        out[play + 1] += wrench[Y]
+        if angle[elements.acts[e]] >= 0:
+            out[angle[elements.acts[e]]] += wrench[MOMENT]
+        if elements.reacts[e] >= 0 and angle[elements.reacts[e]] >= 0:
+            out[angle[elements.reacts[e]]] += wrench[REACTION]
+    for k in range(len(loads.modal)):
+        out[m + k] = loads.modal[k]
+    return out
+
+
+@compilable
+def elastic_energy(chain: Chain, position: np.ndarray) -> float:
+    """Return the energy of all modes [J]."""
+    m = chain.joints.tip.shape[1]
+    total = 0.0
+    for k in range(len(chain.bodies.stiffness)):
+        total += chain.bodies.stiffness[k] * position[m + k] ** 2 / 2
+    return total
 
 
 @compiled
 def end_of_pin_step(
     of: PinSystem, step: StepProblem, skirt_forces: NodalForces, forces: PinForces
 ) -> PinInstant:
-    """Solve the end of a step, as `instant.end_of_step`: accelerations that fulfil Eq. (D21).
+    """Solve the end of a step, as `instant.end_of_step`: accelerations that fulfil Eq. (D61).
 
     Parameters
     ----------
     of : PinSystem
     step : StepProblem
-        Of 7 + k + 2 n coordinates.
+        Of the coordinates of `cylinder`.
     skirt_forces : NodalForces
         On all film grids of the skirt at its end, stacked [N].
     forces : PinForces
@@ -330,68 +326,67 @@ def end_of_pin_step(
     PinInstant
     """
     c, before, auxiliary, mean_velocity, crank, others = step
-    system = of.system
-    bodies = of.bodies
-    mechanism = system.mechanism
-    upright = height(mechanism, 0.0, crank.angle)
+    system, chain = of.system, of.chain
+    upright = height(system.mechanism, 0.0, crank.angle)
     guided = AxialMotion(upright.height, upright.lever * crank.speed)
     parts = forces_by_film(system, guided.height, skirt_forces)
     skirt = together(parts)
-    at = layout(bodies)
-    by = on_modes_of(of.surfaces, at, forces)
-    on_modes = total(skirt.piston, by.on_piston)
-    modal = with_gas(system, on_modes, others.gas)
-    load = load_of(system, skirt, others, modal)
-    predicted = predicted_of(c, before, auxiliary, mean_velocity)
-    reach = reach_of(c, len(before.position))
-    found = solved(of, predicted, before.acceleration, reach, load, crank, forces, by)
-    end = found.end
-    carried = auxiliary_after(c, predicted, before, end)
+    load = load_of(system, skirt, others, with_gas(system, skirt.piston, others.gas))
+    held = held_forces(of, load, forces)
+    predicted = predicted_of(c, before, auxiliary, mean_velocity, of.by_bdf2)
+    by = reach_of(c, of.by_bdf2)
+    found = solved(of, predicted, before.acceleration, by, held, others.carrier, crank)
+    end, loads, at = found.end, found.loads, found.forces.motion
+    carried = auxiliary_after(c, predicted, before, end, of.by_bdf2)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
     limit_memory(rigid_piston(system, 0.0), before, kept, carried, c.step)
-    limit_plays(at, before, kept, carried, c.step)
+    limit_plays(chain.joints.play, before, kept, carried, c.step)
 
-    axial = _axial_motion(mechanism, at, end, crank)
+    axial = AxialMotion(at.position[BODY.piston, Y], at.velocity[BODY.piston, Y])
     on_skirt = skirt_films(
         system,
         guided,
         skirt_forces,
         parts,
         axial.velocity,
-        _of_skirt(at, end.position),
-        _of_skirt(at, end.velocity),
+        of_skirt(chain, end.position),
+        of_skirt(chain, end.velocity),
     )
-    on_pins = pin_films(of, forces, end, crank)
-    films = found.films
-    driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guided.velocity
-    driven += on_rod(films) * on_pins.rod_turning  # and on what the crank drives
-    driven += (films.big_end.on_pin + films.main_bearing.on_pin) * crank.speed
-    pushes = Load(skirt.lateral, skirt.axial, skirt.moment, 0.0, on_modes, FIXED)
-    all_forces = generalised_forces(at, films, pushes)
+    on_pins = pin_films(of, forces, loads, at, end)
+    driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guided.velocity + on_pins.driven
+    for k in range(len(load.modal)):
+        loads.modal[k] -= others.gas * system.gas_force[k]
+    all_forces = coordinate_forces(chain, loads, skirt)
     momenta = Momenta(
-        product(of.with_rod, before.velocity),
-        product(of.with_rod, kept.velocity),
-        product(of.with_rod, mean_acceleration(before, end)),
-        product(of.inertia, kept.velocity),
+        arrow_product(of.with_rod, before.velocity),
+        arrow_product(of.with_rod, kept.velocity),
+        arrow_product(of.with_rod, mean_acceleration(before, end)),
+        arrow_product(of.inertia, kept.velocity),
     )
-    elastic = elastic_energy(bodies, kept.position)
+    elastic = elastic_energy(chain, kept.position)
+    on_pin = np.zeros(loads.wrench.shape[1])
+    for e in range(EYE):
+        for k in range(len(on_pin)):
+            on_pin[k] += loads.wrench[e, k]
     return PinInstant(
         Instant(
             end=end,
             kept=kept,
             auxiliary=carried,
             ledger=energy_ledger(before, kept, end, momenta, all_forces, c.step * driven, elastic),
-            other_forces=other_forces(product(of.with_rod, end.acceleration), all_forces),
-            next_other_forces=other_forces(product(of.with_rod, kept.acceleration), all_forces),
+            other_forces=other_forces(arrow_product(of.with_rod, end.acceleration), all_forces),
+            next_other_forces=other_forces(
+                arrow_product(of.with_rod, kept.acceleration), all_forces
+            ),
             guided=guided.height,
             load=load,
             side_force=-skirt.lateral,
             films=on_skirt,
             axial=axial,
-            pin_x=found.lack.on_piston[0],
-            pin_y=found.lack.on_piston[1] - on_skirt.on_slopes,
-            pin_moment=films.bosses.on_shell,
-            torque=found.lack.torque - on_skirt.on_slopes * upright.lever,
+            pin_x=-on_pin[X],
+            pin_y=-on_pin[Y] - on_skirt.on_slopes,
+            pin_moment=on_pin[REACTION],
+            torque=found.forces.torque - on_skirt.on_slopes * upright.lever,
             pin_friction_power=on_pins.friction_power,
             evaluations=found.evaluations,
             tangents=found.evaluations,
@@ -400,7 +395,20 @@ def end_of_pin_step(
         on_pins.film_thickness,
         on_pins.circumferential_velocity,
         on_pins.work_error,
-        pin_scalars(bodies.shapes, of.surfaces, at, kept, films),
+        pin_scalars(of, kept, loads),
         found.factors,
-        _block_force(mechanism, at, load, end, axial, films, found.lack),
+        _block_force(chain, loads, found.forces),
     )
+
+
+@compilable
+def of_skirt(chain: Chain, coordinates: np.ndarray) -> np.ndarray:
+    """Return the coordinates of the skirt's films: x_A, rocking angle, modes of the piston."""
+    first = chain.joints.tip.shape[1]
+    modes = chain.bodies.first_mode[BODY.piston + 1]
+    out = np.empty(RIGID + modes)
+    for k in range(RIGID):
+        out[k] = coordinates[k]
+    for k in range(modes):
+        out[RIGID + k] = coordinates[first + k]
+    return out

@@ -7,17 +7,20 @@ import numpy as np
 from ...master.fmi.compiled import compiled
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
+from ..mechanism.cylinder import BODY
+from ..mechanism.equations import load_rows
+from ..mechanism.loads import loads_at
+from ..mechanism.motion import chain_motion, changes_along, motion_changes
+from ..mechanism.solution import solve_coupled
 from .bdf2 import reach_of
 from .carrier import FIXED
-from .elimination import substitute
-from .floating_pin import pushed
+from .floating_frame import Y
 from .generalised_alpha import Motion
-from .pin_coordinates import _of_skirt, eye_motion, layout, lifted
-from .pin_films import PinSystem, films_at, on_modes_of, pin_changes, total
-from .piston_motion import LATERAL, ROCKING, Load
+from .pin_films import PinSystem, held_forces, pin_changes
+from .pin_instant import of_skirt
+from .piston_motion import LATERAL, ROCKING
 from .response import Response, StepEnd, load_change
 from .skirt_films import Change, forces_by_film, skirt_changes, together
-from .slider_crank import motion
 from .system import RingForce
 
 
@@ -47,7 +50,7 @@ def respond_pin(
 ) -> PinResponse:
     """Return the change of films and motion at the end of a step with the forces there.
 
-    Eq. (D23):  J dq'' = -dr,   dq = c2 dq'',   dq' = c1 dq''       J, r of Eq. (D21)
+    Eq. (D23):  J dq'' = -dr,   dq = c2 dq'',   dq' = c1 dq''       J, r of Eq. (D61)
 
     Parameters
     ----------
@@ -60,37 +63,27 @@ def respond_pin(
     -------
     PinResponse
     """
-    system = of.system
-    bodies = of.bodies
-    end = last.now
-    crank = last.crank
-    guided = last.guided
+    system, chain = of.system, of.chain
+    end, guided, carrier = last.now, last.guided, last.load.carrier
     n = len(end.position)
     skirt = together(forces_by_film(system, guided, skirt_forces))
-    at = layout(bodies)
-    mechanism = bodies.mechanism
-    by = on_modes_of(of.surfaces, at, forces)
-    films = films_at(of.surfaces, mechanism, at, forces, end, crank, by)
-    change = load_change(system, skirt, rings, total(skirt.piston, by.on_piston), FIXED)
-    moment = change.moment + change.guided * end.position[LATERAL]
-    changes = Load(change.lateral, change.axial, moment, 0.0, change.modal, FIXED)
-    link = motion(mechanism, eye_motion(at, end), crank)
-    right = pushed(at, link, films, changes)
+    change = load_change(system, skirt, rings, skirt.piston, FIXED)
+    at = chain_motion(chain.joints, end, last.crank)
+    by = reach_of(last.coefficients, of.by_bdf2)
+    right = load_rows(chain, loads_at(chain, held_forces(of, change, forces), at, end), at)
     # Eq. (D23)
-    acceleration = substitute(last.factors, right)
-    reach = reach_of(last.coefficients, n)
+    acceleration = solve_coupled(chain.bodies, at, carrier, by, last.factors, right)
     moved = Motion(np.empty(n), np.empty(n), acceleration)
     for k in range(n):
         acceleration[k] = -acceleration[k]
-        moved.position[k] = reach.position[k] * acceleration[k]
-        moved.velocity[k] = reach.velocity[k] * acceleration[k]
-    eye = eye_motion(at, moved)
-    rising = link.slope * eye.velocity + link.axial_by_velocity / 2 * eye.position
-    rising += lifted(at, moved.velocity)
+        moved.position[k] = by.position[k] * acceleration[k]
+        moved.velocity[k] = by.velocity[k] * acceleration[k]
+    bodies = changes_along(motion_changes(chain.joints, at, by), acceleration)
+    rising = bodies.velocity[BODY.piston, Y]
     none = np.zeros(0)
-    bent = Change(_of_skirt(at, moved.position), _of_skirt(at, moved.velocity))
+    bent = Change(of_skirt(chain, moved.position), of_skirt(chain, moved.velocity))
     on_skirt = skirt_changes(system, guided, rising, bent, Change(none, none))
-    on_pins = pin_changes(of, end, moved, crank)
+    on_pins = pin_changes(of, at, end, moved, bodies)
     return PinResponse(
         Response(
             on_skirt.film_thickness,

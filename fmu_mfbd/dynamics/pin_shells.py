@@ -5,22 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.pin import PIN_SURFACES, ModeMotion, across, axes_of, in_axes, pair, turned
+from ..geometry.pin import ModeMotion, across, axes_of, in_axes, pair
+from ..mechanism.chain import Chain
+from ..mechanism.motion import ChainChange, ChainMotion
+from .floating_frame import TURN
 from .generalised_alpha import Motion
-from .pin_coordinates import (
-    PIN,
-    Layout,
-    eye_motion,
-    of_eye,
-    of_modes,
-    of_shapes,
-    play_at,
-)
-from .piston_motion import ROCKING
-from .slider_crank import CrankMotion, Mechanism, motion
-
-EYE = PIN_SURFACES.index("small_end")
-"""Number of the eye's film; those of the bosses come before it, those of the crank after."""
 
 
 class Shell(NamedTuple):
@@ -51,50 +40,48 @@ class Shell(NamedTuple):
 
 
 @compilable
-def shell_of(mechanism: Mechanism, first: Layout, now: Motion, crank: CrankMotion, k: int) -> Shell:
-    """Return the shell of the k-th film of pin and crank."""
-    position = now.position
-    velocity = now.velocity
-    if k < EYE:
-        return Shell(
-            turned(position[ROCKING]),
-            pair(position[PIN.boss_x], position[PIN.boss_y]),
-            pair(velocity[PIN.boss_x], velocity[PIN.boss_y]),
-            velocity[ROCKING],
-            velocity[PIN.spin] - velocity[ROCKING],
-            ModeMotion(of_shapes(first, position), of_shapes(first, velocity)),
-        )
-    eye = eye_motion(first, now)
-    rod = motion(mechanism, eye, crank).rod
-    aside = mechanism.offset + eye.position + mechanism.crank_radius * np.sin(crank.angle)
-    sine = -aside / mechanism.rod_length  # Eq. (K3)
-    axes = axes_of(np.sqrt(1.0 - sine**2), sine)
-    if k == EYE:
-        return Shell(
-            axes,
-            pair(position[PIN.eye_x], position[PIN.eye_y]),
-            pair(velocity[PIN.eye_x], velocity[PIN.eye_y]),
-            rod.velocity,
-            velocity[PIN.spin] - rod.velocity,
-            ModeMotion(of_shapes(first, position), of_shapes(first, velocity)),
-        )
-    parallel = ModeMotion(np.zeros((0, 2)), np.zeros((0, 2)))
-    if k == _big_end(first):
-        at = first.big_end
-        place = play_at(at, position)
-        moved = play_at(at, velocity)
-        turning = crank.speed - rod.velocity
-        return Shell(axes, place, moved, rod.velocity, turning, parallel)
-    at = first.main_bearing
-    upright = axes_of(1.0, 0.0)
-    place = play_at(at, position)
-    return Shell(upright, place, play_at(at, velocity), 0.0, crank.speed, parallel)
+def shell_of(chain: Chain, at: ChainMotion, now: Motion, e: int) -> Shell:
+    """Return the shell of film e of pin and crank."""
+    shell, journal = chain.elements.reacts[e], chain.elements.acts[e]
+    axes, own_turning = axes_of(1.0, 0.0), 0.0
+    if shell >= 0:
+        axes, own_turning = axes_of(at.axes[shell, 0], at.axes[shell, 1]), at.velocity[shell, TURN]
+    play = chain.elements.play[e]
+    return Shell(
+        axes,
+        play_at(play, now.position),
+        play_at(play, now.velocity),
+        own_turning,
+        at.velocity[journal, TURN] - own_turning,
+        ModeMotion(shapes_of(chain, now.position, e), shapes_of(chain, now.velocity, e)),
+    )
 
 
 @compilable
-def _big_end(first):
-    """Return the number of the big end's film, -1 if it has none."""
-    return EYE + 1 if first.big_end >= 0 else -1
+def play_at(first: int, coordinates: np.ndarray) -> np.ndarray:
+    """Return the two coordinates of a play from a position on, (2,); 0 without a play."""
+    if first < 0:
+        return np.zeros(2)
+    return pair(coordinates[first], coordinates[first + 1])
+
+
+@compilable
+def shapes_of(chain: Chain, coordinates: np.ndarray, e: int) -> np.ndarray:
+    """Return the coordinates of the shapes of the pin in film e, (n, 2)."""
+    n = chain.elements.shapes[e]
+    first = chain.joints.tip.shape[1] + chain.elements.shape[e]
+    out = np.empty((n, 2))
+    for k in range(n):
+        out[k, 0] = coordinates[first + k]
+        out[k, 1] = coordinates[first + n + k]
+    return out
+
+
+@compilable
+def shell_modes_of(chain: Chain, coordinates: np.ndarray, e: int) -> np.ndarray:
+    """Return the modal coordinates of the shell of film e."""
+    first = chain.joints.tip.shape[1] + chain.elements.mode[e]
+    return coordinates[first : first + chain.elements.modes[e]]
 
 
 @compilable
@@ -130,28 +117,6 @@ def own_bent(shell: Shell) -> ModeMotion:
     )
 
 
-@compilable
-def shell_modes_of(first: Layout, coordinates: np.ndarray, k: int) -> np.ndarray:
-    """Return the modal coordinates of the shell of film k."""
-    if k < EYE:
-        return of_modes(first, coordinates)
-    if k == EYE:
-        return of_eye(first, coordinates)
-    if k == _big_end(first):
-        return coordinates[first.big_end_shell : first.main_bearing_shell]
-    return coordinates[first.main_bearing_shell : first.crank]
-
-
-@compilable
-def first_mode(first: Layout, k: int) -> int:
-    """Return the coordinate of the first mode of the shell of film k."""
-    if k < EYE:
-        return first.modes
-    if k == EYE:
-        return first.eye
-    return first.big_end_shell if k == _big_end(first) else first.main_bearing_shell
-
-
 class ShellChange(NamedTuple):
     """Change of a pin's position (2,) [m] and of its shell's angle [rad].
 
@@ -164,21 +129,11 @@ class ShellChange(NamedTuple):
 
 
 @compilable
-def _shell_change(mechanism, first, end, moved, crank, k):
-    """Return the change of the shell of film k with a change of the motion."""
-    place = moved.position
-    speed = moved.velocity
-    if k < EYE:
-        boss = pair(place[PIN.boss_x], place[PIN.boss_y])
-        return ShellChange(boss, place[ROCKING], speed[PIN.spin] - speed[ROCKING])
-    rod = motion(mechanism, eye_motion(first, end), crank).rod
-    eye = eye_motion(first, moved)
-    turn = rod.slope * eye.position
-    turning = rod.slope * eye.velocity + rod.velocity_slope * eye.position
-    if k == EYE:
-        return ShellChange(
-            pair(place[PIN.eye_x], place[PIN.eye_y]), turn, speed[PIN.spin] - turning
-        )
-    if k == _big_end(first):
-        return ShellChange(play_at(first.big_end, place), turn, -turning)
-    return ShellChange(play_at(first.main_bearing, place), 0.0, 0.0)
+def shell_change(chain: Chain, moved: Motion, bodies: ChainChange, e: int) -> ShellChange:
+    """Return the change of the shell of film e with a change of all coordinates and bodies."""
+    shell = chain.elements.reacts[e]
+    turn, turning = 0.0, bodies.velocity[chain.elements.acts[e], TURN]
+    if shell >= 0:
+        turn = bodies.position[shell, TURN]
+        turning -= bodies.velocity[shell, TURN]
+    return ShellChange(play_at(chain.elements.play[e], moved.position), turn, turning)

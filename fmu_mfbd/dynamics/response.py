@@ -15,10 +15,9 @@ from ..mechanism.equations import (
 )
 from ..mechanism.inertia import ALPHA, AX, AY, W
 from ..mechanism.motion import Increments, increments_of
-from ..mechanism.solution import solve_coupled
+from ..mechanism.solution import ChainFactors, factorise_chain, solve_coupled
 from ..mechanism.tied_pin import PISTON, loads_of, tied_forces
 from .carrier import Carrier
-from .elimination import LUFactors
 from .floating_frame import Y
 from .generalised_alpha import Coefficients, Motion
 from .piston_motion import LATERAL, RIGID, ROCKING, Load
@@ -40,8 +39,8 @@ class StepEnd(NamedTuple):
     now : Motion
         Of the piston's moving coordinates, with a floating pin of all.
     crank : CrankMotion
-    factors : LUFactors
-        Of the tangent of Eq. (D21) of a floating pin.
+    factors : ChainFactors
+        Of the tangent of a floating pin.
     """
 
     coefficients: Coefficients
@@ -49,7 +48,7 @@ class StepEnd(NamedTuple):
     load: Load
     now: Motion
     crank: CrankMotion
-    factors: LUFactors
+    factors: ChainFactors
 
 
 class Sensitivity(NamedTuple):
@@ -149,7 +148,9 @@ def response(
     change = load_change(system, film_forces, rings, film_forces.piston[:moving], carrier)
     own, by, derivative, pushed = sensitivity(system, last, change, carrier)
     # Eq. (D7)
-    acceleration = solve_coupled(system.chain, own, by, derivative, pushed.residual)
+    factors = factorise_chain(derivative.arrow)
+    bodies, block = system.chain.bodies, own.inertia.carrier
+    acceleration = solve_coupled(bodies, own.motion, block, by, factors, pushed.residual)
     for k in range(len(acceleration)):
         acceleration[k] = -acceleration[k]
     frame = pushed.frames[PISTON, :, 0].copy()

@@ -9,19 +9,19 @@ from ...master.fmi.compiled import compilable
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import pins_of
+from ..mechanism.cylinder import BODY
+from ..mechanism.solution import no_chain_factors
 from ..mechanism.tied_pin import tied_forces
 from .account import EnergyAccount, account
 from .block_force import BlockForce
 from .carrier import Carrier, carrier_from
 from .contradictions import FAULT
 from .drive import Scalars, demand_of, moved_inertia, scalars_of
-from .elimination import no_factors
 from .gas_on_bore import WallPressures
 from .generalised_alpha import Motion
 from .instant import Instant, end_of_step
 from .modal_damping import put_damping
 from .parameters import GAS_SOURCES, Settings
-from .pin_coordinates import layout
 from .pin_films import PinSystem
 from .pin_instant import PinInstant, PinScalars, end_of_pin_step
 from .pin_response import PinResponse, respond_pin
@@ -127,7 +127,7 @@ def coordinates_of(model: BodyModel) -> int:
     """Return the number of coordinates of all bodies."""
     system = model.parts.system
     if has_pins(model):
-        return layout(model.parts.bodies).size
+        return len(model.parts.by_bdf2)
     block = len(system.block.stiffness) + len(system.block_static.stiffness)
     return RIGID + len(system.gas_force) + block
 
@@ -135,19 +135,20 @@ def coordinates_of(model: BodyModel) -> int:
 @compilable
 def modes_of(model: BodyModel) -> tuple[int, int]:
     """Return the first and the end of the modal coordinates of piston and block."""
-    at = layout(model.parts.bodies)
-    return (at.modes, at.shapes) if has_pins(model) else (RIGID, coordinates_of(model))
+    if not has_pins(model):
+        return RIGID, coordinates_of(model)
+    chain = model.parts.chain
+    first = chain.joints.tip.shape[1]
+    return first, first + chain.bodies.first_mode[BODY.piston + 1]
 
 
 @compilable
 def set_damping(model: BodyModel, p: Any) -> None:
     """Overwrite the damping of all modes by Eq. (I5)."""
-    system, bodies = model.parts.system, model.parts.bodies
+    system, bodies = model.parts.system, model.parts.chain.bodies
     put_damping(system.chain.bodies.damping, system.chain.bodies.stiffness, p)
     put_damping(system.block.damping, system.block.stiffness, p)
-    put_damping(bodies.piston.damping, bodies.piston.stiffness, p)
-    put_damping(bodies.shapes.damping, bodies.shapes.stiffness, p)
-    put_damping(bodies.shells.damping, bodies.shells.stiffness, p)
+    put_damping(bodies.damping, bodies.stiffness, p)
 
 
 # ---- a step
@@ -262,7 +263,7 @@ def instant_of(model: BodyModel, step: StepProblem, inputs: StepInputs) -> PinIn
 def tied(now: Instant, on_block: BlockForce) -> PinInstant:
     """Return an instant of a piston whose pin is tied."""
     none = np.zeros(0)
-    return PinInstant(now, none, none, none, NO_PIN, no_factors(), on_block)
+    return PinInstant(now, none, none, none, NO_PIN, no_chain_factors(), on_block)
 
 
 @compilable

@@ -80,22 +80,14 @@ class AxisShapes(NamedTuple):
 
     Parameters
     ----------
-    stiffness, damping : ndarray, shape (n,)
-        [rad2/s2], [rad/s]
     slope : ndarray, shape (n,)
         Tilt of the pin per s [kg^-1/2 m^-1].
     sag : ndarray, shape (n,)
         Displacement of the middle from the mean of both ends per s [kg^-1/2].
     """
 
-    stiffness: Vector
-    damping: Vector
     slope: Vector
     sag: Vector
-
-
-STRAIGHT = AxisShapes(*[np.zeros(0)] * 4)
-"""Shapes of a pin that neither tilts nor bends."""
 
 
 class Beam(NamedTuple):
@@ -118,18 +110,13 @@ class Beam(NamedTuple):
         """Return each shape at positions from the pin's middle [m], (len(z), n) [kg^-1/2]."""
         return legendre.legval(2 * z / self.pin.length, self.polynomials).T
 
-    def shapes(self, damping: np.ndarray) -> AxisShapes:
-        """Return the shapes with a damping 2 zeta omega [rad/s], (n,)."""
+    def shapes(self) -> AxisShapes:
+        """Return tilt and sag of the shapes."""
         ends = self.pin.length / 2 * np.array([-1.0, 0.0, 1.0])
         low, middle, high = self.at(ends)
         slope = np.zeros(len(self.omega))
         slope[:1] = high[:1] * 2 / self.pin.length
-        return AxisShapes(
-            stiffness=self.omega**2,
-            damping=damping,
-            slope=slope,
-            sag=middle - (low + high) / 2,
-        )
+        return AxisShapes(slope, middle - (low + high) / 2)
 
 
 def section(pin: HollowPin) -> Section:

@@ -14,6 +14,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..dynamics.floating_frame import FlexibleBody
+from ..dynamics.modal_damping import ModalSprings
 from ..dynamics.pin_friction import PinFriction
 from ..geometry.arrays import Matrix, Numbers, Vector
 
@@ -24,6 +25,7 @@ NONE = -1
 """Number of a coordinate that does not exist."""
 
 NO_MOUNTS = np.zeros((3, 3, 3))
+NO_SPRINGS = ModalSprings(np.zeros(0), np.zeros(0))
 
 SMOOTH = PinFriction(0.0, 1.0, 0.0)
 """Friction of a joint that has none."""
@@ -31,6 +33,8 @@ SMOOTH = PinFriction(0.0, 1.0, 0.0)
 
 class Bodies(NamedTuple):
     """Inertia integrals (Eq. (J7)) and modal springs of n bodies, their k modes stacked.
+
+    After them there are s modes of shells and journals with the inertia of their own motion alone.
 
     Parameters
     ----------
@@ -46,7 +50,7 @@ class Bodies(NamedTuple):
         Change of half the moment of inertia, angular momentum of the modes [kg^1/2 m].
     coupling : ndarray, shape (entries,)
         B and below it G of each body, which has 2 j j entries for j modes [-].
-    stiffness, damping : ndarray, shape (k,)
+    stiffness, damping : ndarray, shape (k + s,)
         omega^2 [rad2/s2], 2 zeta omega [rad/s].
     """
 
@@ -103,6 +107,8 @@ class Elements(NamedTuple):
     ----------
     acts, reacts, carrier, axes : ndarray, shape (e,)
         Numbers of bodies.
+    play, mode, modes, shape, shapes : ndarray, shape (e,)
+        First numbers of coordinates and modes, and how many.
     marker, point : ndarray, shape (e, 2)
         [m]
     at_point : ndarray, shape (e,)
@@ -113,6 +119,11 @@ class Elements(NamedTuple):
     reacts: Numbers
     carrier: Numbers
     axes: Numbers
+    play: Numbers
+    mode: Numbers
+    modes: Numbers
+    shape: Numbers
+    shapes: Numbers
     marker: Matrix
     point: Matrix
     at_point: Vector
@@ -121,7 +132,7 @@ class Elements(NamedTuple):
 class Chain(NamedTuple):
     """Bodies, joints and force elements, and the block that they hang on.
 
-    The coordinates are those of joints and block (m), then the modes of all bodies (k).
+    The coordinates are those of joints and block (m), then all modes (k).
 
     Parameters
     ----------
@@ -152,10 +163,17 @@ class Loads(NamedTuple):
         element's marker, or its point, and the moment of the reaction about its point [N m].
     modal : ndarray, shape (k,)
         [kg^-1/2 N]
+    slopes : ndarray, shape (s,)
+        Moment on the body that an element acts on, its opposite on the other one, by each mode of
+        each element [kg^-1/2 N].
+    on_shapes : ndarray, shape (e, n, 2)
+        Part of `modal` on the shapes of each element, along x and y of the block [kg^-1/2 N].
     """
 
     wrench: Matrix
     modal: Vector
+    slopes: Vector = np.zeros(0)
+    on_shapes: Annotated[np.ndarray, "e, n, 2"] = np.zeros((0, 0, 2))
 
 
 # ---- construction by name
@@ -219,6 +237,13 @@ class Element(NamedTuple):
         Body that the point of the reaction moves with, and body that the force turns with.
     marker, point : tuple of float
         Centres of the moments of force and reaction, in the axes of `acts` and `carrier` [m].
+    play : int
+        First of two coordinates, the position of the marker from the point, or `NONE`.
+    mode, modes : int
+        First mode that changes the moments (`Loads.slopes`), and the number of these modes.
+    shape, shapes : int
+        First mode of the bending shapes of `acts` along x, and their number. Those along y follow.
+        Both are displacements in the block's axes.
     at_point : bool
         Whether the moment of the force is about the point instead of the marker.
     """
@@ -229,22 +254,32 @@ class Element(NamedTuple):
     axes: int = BLOCK
     marker: tuple[float, float] = (0.0, 0.0)
     point: tuple[float, float] = (0.0, 0.0)
+    play: int = NONE
+    mode: int = 0
+    modes: int = 0
+    shape: int = 0
+    shapes: int = 0
     at_point: bool = False
 
 
-def stack_bodies(bodies: Sequence[FlexibleBody]) -> Bodies:
-    """Return the tables of bodies."""
+NUMBERS = ("acts", "reacts", "carrier", "axes", "play", "mode", "modes", "shape", "shapes")
+"""Members of `Element` that are whole numbers."""
+
+
+def stack_bodies(bodies: Sequence[FlexibleBody], springs: ModalSprings = NO_SPRINGS) -> Bodies:
+    """Return the tables of bodies and of modes with the inertia of their own motion alone."""
     modes = [len(body.stiffness) for body in bodies]
     coupling = [np.concatenate([body.B.ravel(), body.G.ravel()]) for body in bodies]
 
-    def stacked(name):
-        parts = [getattr(body, name) for body in bodies]
+    def stacked(name, *more):
+        parts = [*(getattr(body, name) for body in bodies), *more]
         return np.ascontiguousarray(np.concatenate(parts, axis=-1))
 
     tables = {
         name: np.array([getattr(body, name) for body in bodies]) for name in ("mass", "I0", "S")
     }
-    tables |= {name: stacked(name) for name in ("T", "b", "g", "stiffness", "damping")}
+    tables |= {name: stacked(name) for name in ("T", "b", "g")}
+    tables |= {name: stacked(name, getattr(springs, name)) for name in ModalSprings._fields}
     return Bodies(
         first_mode=np.cumsum([0, *modes], dtype=np.int64),
         first_entry=np.cumsum([0, *(len(one) for one in coupling)], dtype=np.int64),
@@ -259,6 +294,7 @@ def chain_of(
     coordinates: int = 0,
     block: int = NONE,
     mounts: np.ndarray = NO_MOUNTS,
+    springs: ModalSprings = NO_SPRINGS,
 ) -> Chain:
     """Return the chain of bodies and force elements with m coordinates of joints and block.
 
@@ -305,7 +341,8 @@ def chain_of(
         **numbers,
         **factors,
     )
-    numbers = {name: whole(elements, name) for name in ("acts", "reacts", "carrier", "axes")}
+    numbers = {name: whole(elements, name) for name in NUMBERS}
     points = {name: real(elements, name, (2,)) for name in ("marker", "point")}
     table = Elements(**numbers, **points, at_point=real(elements, "at_point"))
-    return Chain(stack_bodies([link.body for link in links]), joints, table, block, mounts)
+    bodies = stack_bodies([link.body for link in links], springs)
+    return Chain(bodies, joints, table, block, mounts)

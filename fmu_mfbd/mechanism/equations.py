@@ -6,7 +6,6 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..dynamics.carrier import Carrier
-from ..dynamics.elimination import factorise, substitute
 from ..dynamics.floating_frame import TURN, Arrow, X, Y
 from ..dynamics.generalised_alpha import Motion
 from ..dynamics.pin_friction import PinFriction, PinMoment, friction_moment
@@ -56,6 +55,14 @@ class ChainForces(NamedTuple):
 def chain_forces(
     chain: Chain, loads: Loads, now: Motion, drive: CrankMotion, given: Carrier
 ) -> ChainForces:
+    """Compute the motion of all bodies, and by it the residual of `forces_at`."""
+    return forces_at(chain, loads, chain_motion(chain.joints, now, drive), now, given)
+
+
+@compilable
+def forces_at(
+    chain: Chain, loads: Loads, at: ChainMotion, now: Motion, given: Carrier
+) -> ChainForces:
     """Compute the residual of the equations of motion.
 
     Eq. (D61):  r_j = sum_b J_bj . (F_b - Q_b),   r_k = F_k - Q_k
@@ -67,17 +74,17 @@ def chain_forces(
     Eq. (D63):  M_B u'' + D_B u' + K_B u + sum_b (F_b, X_b x F_b + M_b) = (0, 0, torque)
                 u of the block on its mounts
 
-    Forces between the bodies and the block cancel in Eq. (D63). The products with J are a sweep
-    from the last body inwards, in which each body adds its force to that of its parent.
+    Forces between the bodies and the block cancel in Eq. (D63). Shapes s of a bent journal add
+    s x Q to its moments. The products with J are a sweep from the last body inwards, in which each
+    body adds its force to that of its parent.
 
     Parameters
     ----------
     chain : Chain
     loads : Loads
+    at : ChainMotion
     now : Motion
         Of all m + k coordinates.
-    drive : CrankMotion
-        Of the bodies that are driven.
     given : Carrier
         Motion of a block without coordinates.
 
@@ -86,13 +93,14 @@ def chain_forces(
     ChainForces
     """
     m = chain.joints.tip.shape[1]
-    at = chain_motion(chain.joints, now, drive)
     inertia = inertia_forces(chain.bodies, at, now, block_motion(chain.block, now, given), m)
     residual = np.zeros(len(now.position))
     for i in range(len(loads.modal)):
         residual[m + i] = inertia.modal[i] - loads.modal[i]
     force = inertia.wrench.copy()
     total = np.zeros(3)
+    for e in range(len(loads.on_shapes)):
+        total[TURN] += moment_of_shapes(chain.elements, loads, now, m, e)
     for b in range(len(force)):
         x, y = at.position[b, X], at.position[b, Y]
         total[X] += force[b, X]
@@ -158,6 +166,31 @@ def _subtract_loads(elements, wrench, at, force):
             force[other, X] += x
             force[other, Y] += y
             force[other, TURN] += lever - wrench[e, 3]
+
+
+@compilable
+def moment_of_shapes(elements: Elements, loads: Loads, now: Motion, m: int, e: int) -> float:
+    """Return the sum of s x Q over the shapes of element e [N m]."""
+    total = 0.0
+    n = elements.shapes[e]
+    for i in range(n):
+        j = m + elements.shape[e] + i
+        force = loads.on_shapes[e, i]
+        total += now.position[j] * force[Y] - now.position[j + n] * force[X]
+    return total
+
+
+@compilable
+def load_rows(chain: Chain, loads: Loads, at: ChainMotion) -> np.ndarray:
+    """Return what loads add to the residual, -J^T Q of Eq. (D61), (m + k,)."""
+    m = chain.joints.tip.shape[1]
+    out = np.zeros(m + len(loads.modal))
+    force = np.zeros((len(at.position), 3))
+    _subtract_loads(chain.elements, loads.wrench, at, force)
+    _inwards(chain.joints, at, force, out)
+    for i in range(len(loads.modal)):
+        out[m + i] = -loads.modal[i]
+    return out
 
 
 @compilable
@@ -256,8 +289,9 @@ def chain_derivative(
 ) -> ChainDerivative:
     """Compute the derivative of all forces by the unknowns of the time integrator.
 
-    It is the derivative of both sweeps, for all unknowns at once. The force of an element is
-    constant in the axes of one body, and its moment in these about a point of another.
+    It is the derivative of both sweeps, for all unknowns at once. The force of an element and that
+    on its shapes are constant in the axes of one body, and its moment in these about a point of
+    another, but for slopes.
     Coupling of modes among each other (Eq. (D4)) is omitted.
 
     Parameters
@@ -279,6 +313,7 @@ def chain_derivative(
     top = np.zeros((m, change.shape[2]))
     total = _total_change(at, forces.inertia.wrench, d, change)
     _subtract_load_changes(chain.elements, loads.wrench, at, d, change)
+    _subtract_modal_changes(chain, loads, now, by, d, changes, total)
     torque = _inward_changes(chain.joints, at, forces.joints, d, change, top)
     for j in range(len(torque)):
         total[TURN, j] -= torque[j]
@@ -357,6 +392,43 @@ def _subtract_load_changes(elements, wrench, at, d, change):
                 change[other, TURN, j] += lx * y - ly * x
                 change[other, TURN, j] += (px - at.position[other, X]) * fy
                 change[other, TURN, j] -= (py - at.position[other, Y]) * fx
+
+
+@compilable
+def _subtract_modal_changes(chain, loads, now, by, d, changes, total):
+    """Subtract the change of moments by slopes and shapes, and of the forces on shapes."""
+    elements, change, left = chain.elements, changes.wrench, changes.left
+    m = d.position.shape[2]
+    slope = 0
+    for e in range(len(elements.acts)):
+        body, other, axes = elements.acts[e], elements.reacts[e], elements.axes[e]
+        for j in range(m + elements.mode[e], m + elements.mode[e] + elements.modes[e]):
+            moment = loads.slopes[slope] * by.position[j]
+            change[body, TURN, j] -= moment
+            if other >= 0:
+                change[other, TURN, j] += moment
+            slope += 1
+        n = elements.shapes[e]
+        if n == 0:
+            continue
+        row = np.zeros(change.shape[2])
+        for k in range(elements.shape[e], elements.shape[e] + n):
+            x, y = m + k, m + k + n
+            force = loads.on_shapes[e, k - elements.shape[e]]
+            fx, fy = force[X], force[Y]
+            # s x Q
+            row[x] += by.position[x] * fy
+            row[y] -= by.position[y] * fx
+            if axes >= 0:
+                outward = now.position[x] * fx + now.position[y] * fy
+                for j in range(m):
+                    t = d.position[axes, TURN, j]
+                    row[j] += outward * t
+                    left[k, j] += fy * t
+                    left[k + n, j] -= fx * t
+        for j in range(len(row)):
+            change[body, TURN, j] += row[j]
+            total[TURN, j] += row[j]
 
 
 @compilable
@@ -486,46 +558,3 @@ def pushed_forces(chain: Chain, forces: ChainForces, loads: Loads, given: Carrie
         residual[m + k] = inertia.left[k, 0] - loads.modal[k]
     total[TURN, 0] -= torque
     return PushedForces(residual, torque, -total[:, 0], inertia.frames)
-
-
-@compilable
-def solve_chain(arrow: Arrow, right: np.ndarray) -> np.ndarray:
-    """Return x of `arrow` x = right, with the modes eliminated.
-
-    Eq. (D64):  (A - B D^-1 C) x = a - B D^-1 c,   y = D^-1 (c - C x)
-                of [A, B; C, D] with a diagonal D
-
-    Parameters
-    ----------
-    arrow : Arrow
-    right : ndarray, shape (m + k,)
-
-    Returns
-    -------
-    ndarray, shape (m + k,)
-    """
-    top, left, diagonal = arrow.top, arrow.left, arrow.diagonal
-    m, k = len(top), len(diagonal)
-    of_modes = right[m:]
-    matrix, rest, out = np.empty((m, m)), np.empty(m), np.empty(m + k)
-    for i in range(m):
-        rest[i] = right[i]
-        for j in range(m):
-            matrix[i, j] = top[i, j]
-        if k > 0:
-            # Eq. (D64)
-            share = top[i][m:].copy()
-            for mode in range(k):
-                share[mode] /= diagonal[mode]
-            rest[i] -= share @ of_modes
-            by_modes = share @ left
-            for j in range(m):
-                matrix[i, j] -= by_modes[j]
-    x = substitute(factorise(matrix), rest)
-    for i in range(m):
-        out[i] = x[i]
-    if k > 0:
-        carried = left @ x
-        for mode in range(k):
-            out[m + mode] = (of_modes[mode] - carried[mode]) / diagonal[mode]
-    return out

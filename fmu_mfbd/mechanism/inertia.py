@@ -105,6 +105,8 @@ def inertia_forces(
 
     Eqs. (D1) to (D3) of each body, at the acceleration of its origin in space (Eq. (K14)).
 
+    Eq. (D40):  q'' + D q' + omega^2 q      of modes with the inertia of their own motion alone
+
     Parameters
     ----------
     bodies : Bodies
@@ -204,6 +206,10 @@ def _put_forces(bodies, at, now, m, out):
         out.wrench[b, X] = c * x - s * y
         out.wrench[b, Y] = s * x + c * y
         out.wrench[b, TURN] = moment
+    for i in range(bodies.first_mode[-1], len(out.modal)):
+        # Eq. (D40)
+        held = bodies.damping[i] * now.velocity[m + i] + bodies.stiffness[i] * now.position[m + i]
+        out.modal[i] = now.acceleration[m + i] + held
 
 
 @compilable
@@ -245,7 +251,7 @@ def inertia_changes(
         shaken[ALPHA, block + TURN] = by.acceleration[block + TURN]
         shaken[W, block + TURN] = by.velocity[block + TURN]
     out = InertiaChanges(
-        np.zeros((n, 3, m + k)), np.empty((k, m)), np.empty(k), np.empty((n, 4, m))
+        np.zeros((n, 3, m + k)), np.zeros((k, m)), np.empty(k), np.empty((n, 4, m))
     )
     _put_frame_changes(at, forces, d, shaken, out.frames)
     _put_joint_columns(bodies, at, forces, d, out)
@@ -275,7 +281,7 @@ def shaken_forces(
     """
     n, _, m = d.position.shape
     out = InertiaChanges(
-        np.zeros((n, 3, m)), np.empty((len(bodies.stiffness), m)), np.empty(0), np.empty((n, 4, m))
+        np.zeros((n, 3, m)), np.zeros((len(bodies.stiffness), m)), np.empty(0), np.empty((n, 4, m))
     )
     _put_frame_changes(at, forces, d, shaken, out.frames)
     _put_joint_columns(bodies, at, forces, d, out)
@@ -360,3 +366,8 @@ def _put_modal_columns(bodies, at, now, m, forces, by, out):
             out.wrench[b, TURN, j] = moment
             # Eq. (D3)
             out.diagonal[i] = c0 + c1 * bodies.damping[i] + c2 * bodies.stiffness[i]
+    for i in range(bodies.first_mode[-1], len(out.diagonal)):
+        j = m + i
+        # Eq. (D40)
+        held = by.velocity[j] * bodies.damping[i] + by.position[j] * bodies.stiffness[i]
+        out.diagonal[i] = by.acceleration[j] + held

@@ -67,6 +67,18 @@ class MotionChanges(NamedTuple):
     acceleration: np.ndarray
 
 
+class ChainChange(NamedTuple):
+    """Change of position and velocity of all n bodies; angles are the third column.
+
+    Parameters
+    ----------
+    position, velocity : ndarray, shape (n, 3)
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+
+
 @compilable
 def chain_motion(joints: Joints, now: Motion, drive: CrankMotion) -> ChainMotion:
     """Compute the motion of all bodies in the block's axes.
@@ -230,3 +242,16 @@ def _swing_changes(joints, b, at, by, d):
         d.position[b, TURN, j] = t
         d.velocity[b, TURN, j] = dw
         d.acceleration[b, TURN, j] = (da + (along * w * w + alpha * aside) * t) / along
+
+
+@compilable
+def changes_along(d: MotionChanges, x: np.ndarray) -> ChainChange:
+    """Return the change of the motion of all bodies with a change x of m unknowns."""
+    n, rows, m = d.position.shape
+    out = ChainChange(np.zeros((n, rows)), np.zeros((n, rows)))
+    for b in range(n):
+        for row in range(rows):
+            for j in range(m):
+                out.position[b, row] += d.position[b, row, j] * x[j]
+                out.velocity[b, row] += d.velocity[b, row, j] * x[j]
+    return out

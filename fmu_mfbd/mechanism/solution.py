@@ -11,23 +11,25 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
 from ..dynamics.carrier import Carrier
+from ..dynamics.elimination import LUFactors, factorise, no_factors, substitute
 from ..dynamics.floating_frame import TURN, Arrow, X, Y
 from ..dynamics.generalised_alpha import Motion, Prediction
 from ..dynamics.slider_crank import CrankMotion
-from .chain import Chain, Loads
+from .chain import Bodies, Chain, Loads
 from .equations import (
-    ChainDerivative,
     ChainForces,
     chain_derivative,
     chain_forces,
     point_of,
-    solve_chain,
 )
-from .inertia import ALPHA, W, coupling_of, frame_state
-from .motion import Increments
+from .inertia import coupling_of, frame_state
+from .motion import ChainMotion, Increments
 
 PASSES = 80
 """Most evaluations of the residual; three are usual."""
+
+MOST_PASSES = 40
+"""Most passes to coupled modes. Each gains about four digits."""
 
 ROUND_OFF = 4e-15
 """Of a coordinate or a force: some last digits, of the sum of many terms."""
@@ -207,9 +209,110 @@ def _sizes(chain, loads, forces):
     return out
 
 
+class ChainFactors(NamedTuple):
+    """A tangent of m joint coordinates and k modes, factorised.
+
+    Parameters
+    ----------
+    arrow : Arrow
+    rigid : LUFactors
+        Of its m rows without modes (Eq. (D64)).
+    """
+
+    arrow: Arrow
+    rigid: LUFactors
+
+
+@compilable
+def no_chain_factors() -> ChainFactors:
+    """Return those of a system that has none."""
+    none = np.zeros((0, 0))
+    return ChainFactors(Arrow(none, none, np.zeros(0)), no_factors())
+
+
+@compilable
+def factorise_chain(arrow: Arrow) -> ChainFactors:
+    """Eliminate the modes from a tangent, and factorise the rest.
+
+    Eq. (D64):  (A - B D^-1 C) x = a - B D^-1 c,   y = D^-1 (c - C x)
+                of [A, B; C, D] with a diagonal D
+
+    Parameters
+    ----------
+    arrow : Arrow
+
+    Returns
+    -------
+    ChainFactors
+    """
+    top, left, diagonal = arrow.top, arrow.left, arrow.diagonal
+    m, k = len(top), len(diagonal)
+    matrix = np.empty((m, m))
+    for i in range(m):
+        for j in range(m):
+            matrix[i, j] = top[i, j]
+        if k > 0:
+            # Eq. (D64)
+            share = top[i][m:].copy()
+            for mode in range(k):
+                share[mode] /= diagonal[mode]
+            by_modes = share @ left
+            for j in range(m):
+                matrix[i, j] -= by_modes[j]
+    return ChainFactors(arrow, factorise(matrix))
+
+
+@compilable
+def substitute_chain(factors: ChainFactors, right: np.ndarray) -> np.ndarray:
+    """Return x of `arrow` x = right, (m + k,), by Eq. (D64)."""
+    top, left, diagonal = factors.arrow.top, factors.arrow.left, factors.arrow.diagonal
+    m, k = len(top), len(diagonal)
+    rest, out, of_modes = np.empty(m), np.empty(m + k), np.empty(k)
+    for mode in range(k):
+        of_modes[mode] = right[m + mode] / diagonal[mode]
+    for i in range(m):
+        rest[i] = right[i]
+        if k > 0:
+            rest[i] -= top[i][m:] @ of_modes  # Eq. (D64)
+    x = substitute(factors.rigid, rest)
+    for i in range(m):
+        out[i] = x[i]
+    if k > 0:
+        carried = left @ x
+        for mode in range(k):
+            out[m + mode] = of_modes[mode] - carried[mode] / diagonal[mode]
+    return out
+
+
+@compilable
+def solve_chain(arrow: Arrow, right: np.ndarray) -> np.ndarray:
+    """Return x of `arrow` x = right for a single right side, (m + k,)."""
+    return substitute_chain(factorise_chain(arrow), right)
+
+
+@compilable
+def arrow_product(arrow: Arrow, x: np.ndarray) -> np.ndarray:
+    """Return `arrow` x by loops, the same bits everywhere, (m + k,)."""
+    m, k = len(arrow.top), len(arrow.diagonal)
+    out = np.zeros(m + k)
+    for i in range(m):
+        for j in range(m + k):
+            out[i] += arrow.top[i, j] * x[j]
+    for i in range(k):
+        for j in range(m):
+            out[m + i] += arrow.left[i, j] * x[j]
+        out[m + i] += arrow.diagonal[i] * x[m + i]
+    return out
+
+
 @compilable
 def solve_coupled(
-    chain: Chain, forces: ChainForces, by: Increments, slope: ChainDerivative, right: np.ndarray
+    bodies: Bodies,
+    at: ChainMotion,
+    carrier: Carrier,
+    by: Increments,
+    factors: ChainFactors,
+    right: np.ndarray,
 ) -> np.ndarray:
     """Return x of the total tangent, modes coupled, to 1e-13 of its size.
 
@@ -220,28 +323,32 @@ def solve_coupled(
 
     Parameters
     ----------
-    chain : Chain
-    forces : ChainForces
-    by : Increments
-    slope : ChainDerivative
+    bodies, at, by
+        As for the tangent.
+    carrier : Carrier
+        Motion of the block.
+    factors : ChainFactors
     right : ndarray, shape (m + k,)
 
     Returns
     -------
     ndarray, shape (m + k,)
-        Starts with NaN where it does not converge.
+        Starts with NaN if it does not converge.
     """
-    x = solve_chain(slope.arrow, right)
-    m = len(slope.arrow.top)
+    x = substitute_chain(factors, right)
+    if bodies.first_mode[-1] == 0:
+        return x
+    arrow = factors.arrow
+    m = len(arrow.top)
     left = right.copy()
-    for _ in range(40):
-        push = mode_coupling(chain, forces, by, x)
+    for _ in range(MOST_PASSES):
+        push = mode_coupling(bodies, at, carrier, by, x)
         for k in range(len(push)):
             left[m + k] = right[m + k] - push[k]  # Eq. (N3)
-        fresh = solve_chain(slope.arrow, left)
+        fresh = substitute_chain(factors, left)
         for k in range(len(x)):
             x[k] = fresh[k] - x[k]
-        if squared_size(slope.arrow, x) <= 1e-26 * squared_size(slope.arrow, fresh):
+        if squared_size(arrow, x) <= 1e-26 * squared_size(arrow, fresh):
             return fresh
         x = fresh
     x[0] = np.nan
@@ -250,33 +357,32 @@ def solve_coupled(
 
 @compilable
 def mode_coupling(
-    chain: Chain, forces: ChainForces, by: Increments, unknowns: np.ndarray
+    bodies: Bodies, at: ChainMotion, carrier: Carrier, by: Increments, unknowns: np.ndarray
 ) -> np.ndarray:
     """Return the coupling of modes (Eq. (D4)), which `chain_derivative` omits, times unknowns.
 
     Parameters
     ----------
-    chain : Chain
-    forces : ChainForces
-    by : Increments
-        c2, c1 and 1 of each coordinate.
+    bodies, at, by
+        As for the tangent.
+    carrier : Carrier
+        Motion of the block.
     unknowns : ndarray, shape (m + k,)
-        x.
 
     Returns
     -------
     ndarray, shape (k,)
         About 2 w c1, 1e-4 of the inertia of modes for a rocking piston.
     """
-    bodies, frames = chain.bodies, forces.inertia.frames
-    m = chain.joints.tip.shape[1]
     out = np.zeros(len(bodies.stiffness))
-    for b in range(len(frames)):
+    m = len(unknowns) - len(out)
+    for b in range(len(bodies.mass)):
         begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
         k = end - begin
         if k == 0:
             continue
-        w, alpha = frames[b, W], frames[b, ALPHA]
+        w = at.velocity[b, TURN] + carrier.w
+        alpha = at.acceleration[b, TURN] + carrier.alpha
         turned, flung = np.empty(k), np.empty(k)
         for i in range(k):
             j = m + begin + i

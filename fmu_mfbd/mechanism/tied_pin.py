@@ -81,10 +81,15 @@ def tied_pin(piston: FlexibleBody, mechanism: Mechanism, crank_unbalance: float)
             friction_damping=np.array((0.0, 0.0, friction.viscous)),
         ),
         Elements(
-            acts=np.array((PISTON, PISTON)),
-            reacts=np.array((BLOCK, BLOCK)),
+            acts=np.full(2, PISTON),
+            reacts=np.full(2, BLOCK),
             carrier=np.array((PISTON, BLOCK)),
-            axes=np.array((BLOCK, BLOCK)),
+            axes=np.full(2, BLOCK),
+            play=np.full(2, NONE),
+            mode=np.zeros(2, np.int64),
+            modes=np.zeros(2, np.int64),
+            shape=np.zeros(2, np.int64),
+            shapes=np.zeros(2, np.int64),
             marker=np.zeros((2, 2)),
             point=np.array(((0.0, 0.0), (mechanism.offset, 0.0))),
             at_point=np.array((0.0, 1.0)),
@@ -102,7 +107,7 @@ def loads_of(load: Load) -> Loads:
     wrench[SKIRT, Y] = load.axial + load.guided
     wrench[SKIRT, 2] = load.moment
     wrench[GAS, Y] = -load.guided
-    return Loads(wrench, load.modal)
+    return Loads(wrench, load.modal, np.zeros(0), np.zeros((2, 0, 2)))
 
 
 @compilable

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
+from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.mechanism.chain import (
     BLOCK,
@@ -13,8 +14,10 @@ from piston_cosim.fmu_mfbd.mechanism.chain import (
     Chain,
     Element,
     Link,
+    Loads,
     chain_of,
 )
+from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE
 from piston_cosim.fmu_mfbd.mechanism.tied_pin import GAS as ON_BORE
 from piston_cosim.fmu_mfbd.mechanism.tied_pin import PISTON, SKIRT, tied_pin
 
@@ -30,6 +33,7 @@ MOUNTS = np.array(
     ]
 )
 GAS = 12e3
+SHAPES, SHELL_MODES = 2, 3
 
 
 class Engine(NamedTuple):
@@ -74,12 +78,19 @@ def flexible(modes, seed=3):
     )
 
 
-def engine(pistons, floating=False, crank_films=False, mounted=False, free=False):
+def springs(modes):
+    """Return springs of so many modes of shells and shapes."""
+    omega = np.linspace(1e4, 5e4, modes)
+    return ModalSprings(omega**2, 0.04 * omega)
+
+
+def engine(pistons, floating=False, crank_films=False, mounted=False, free=False, yields=False):
     """Return the engine of some flexible pistons, with their cranks evenly apart.
 
     Coordinates of each cylinder: x_A, rocking angle; with a floating pin pin from bosses, pin from
     eye (x, y), angle of the pin; with films of the crank crank pin from big end. Then journal from
     main bearing, x, y and angle of the block, and the lead of a free crank over its drive.
+    If it yields, each pin has `SHAPES` shapes along both axes and each shell `SHELL_MODES` modes.
     """
     m = MECHANISM
     per = 2 + 5 * floating + 2 * crank_films
@@ -93,12 +104,16 @@ def engine(pistons, floating=False, crank_films=False, mounted=False, free=False
     links = [Link(crank, BLOCK, play=journal, angle=size - 1 if free else NONE, driven=True)]
     elements, found = [], Engine(None, [], [], [], {})
 
-    def film(play, journal, shell, point=(0.0, 0.0), marker=(0.0, 0.0)):
-        found.films[play] = len(elements)
-        elements.append(Element(journal, shell, shell, shell, marker, point))
+    shapes, shells = (SHAPES, SHELL_MODES) if yields else (0, 0)
+    of_pistons = sum(len(piston.stiffness) for piston in pistons)
+    of_each = 2 * shapes + 2 * shells
+    main = of_pistons + len(pistons) * of_each
 
-    if crank_films:
-        film(journal, 0, BLOCK)
+    def film(play, journal, shell, modes, bent=(0, 0), point=(0.0, 0.0), marker=(0.0, 0.0)):
+        found.films[play] = len(elements)
+        own = Element(journal, shell, shell, shell, marker, point, play, *modes, *bent)
+        elements.append(own)
+
     for k, piston in enumerate(pistons):
         x = per * k
         boss, eye, spin = (x + 2, x + 4, x + 6) if floating else (NONE, NONE, x + 1)
@@ -112,11 +127,18 @@ def engine(pistons, floating=False, crank_films=False, mounted=False, free=False
             Link(pin, at, (0.0, m.rod_length), eye, 1.0, spin),
             Link(piston, at + 1, (0.0, 0.0), boss, -1.0, x + 1),
         ]
-        if crank_films:
-            film(big_end, 0, at, marker=pin_of_crank)
+        first, modes = k * len(piston.stiffness), len(piston.stiffness)
+        bent = of_pistons + k * of_each
+        eye_modes = bent + 2 * shapes
         if floating:
-            film(eye, at + 1, at, (0.0, m.rod_length))
-            film(boss, at + 1, at + 2)
+            for _ in range(EYE):
+                film(boss, at + 1, at + 2, (first, modes), (bent, shapes))
+            of_eye = eye_modes, shells
+            film(eye, at + 1, at, of_eye, (bent, shapes), point=(0.0, m.rod_length))
+        if crank_films:
+            film(big_end, 0, at, (eye_modes + shells, shells), marker=pin_of_crank)
+        if crank_films and piston is pistons[-1]:
+            film(journal, 0, BLOCK, (main, shells))
         found.pistons.append(at + 2)
         found.skirts.append(len(elements))
         found.gas.append(len(elements) + 1)
@@ -125,7 +147,25 @@ def engine(pistons, floating=False, crank_films=False, mounted=False, free=False
             Element(at + 2, BLOCK, point=(m.offset, 0.0), at_point=True),
         ]
     mounts = MOUNTS if mounted else NO_MOUNTS
-    return found._replace(chain=chain_of(links, elements, size, block, mounts))
+    tail = springs(main + shells - of_pistons if crank_films else 0)
+    return found._replace(chain=chain_of(links, elements, size, block, mounts, tail))
+
+
+def matrix_of(arrow, coupling=0.0):
+    """Return a tangent and the coupling of its modes as one matrix."""
+    return np.vstack([arrow.top, np.hstack([arrow.left, np.diag(arrow.diagonal) + coupling])])
+
+
+def loads_of(chain, load, now, films):
+    """Return the loads of a cylinder whose pin floats: on its piston, and of films by resultants.
+
+    The films are those of both bosses together, eye, and crank.
+    """
+    bosses, *others = ([*one.force, one.on_pin, one.on_shell] for one in films)
+    skirt = [load.lateral, load.axial + load.guided, load.moment, 0.0]
+    gas = [0.0, -load.guided, 0.0, 0.0]
+    wrench = np.array([bosses, np.zeros(4), *others, skirt, gas])
+    return Loads(wrench, load.modal)
 
 
 def tied(piston, mechanism=MECHANISM):

@@ -33,6 +33,7 @@ from piston_cosim.fmu_mfbd.dynamics.pin_shells import shell_of
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces, shell_angles
 from piston_cosim.fmu_mfbd.geometry.pin_shapes import HollowPin
+from piston_cosim.fmu_mfbd.mechanism.motion import chain_motion
 from piston_cosim.fmu_mfbd.reduction.reduced_body import (
     ReducedBlock,
     ReducedBosses,
@@ -245,10 +246,9 @@ MODELS = {
 
 def shells_of(model):
     """Return the shells of all films of pin and crank at the end of the last step."""
-    last = model._last
-    mechanism = model.bodies.mechanism
-    each = range(len(model.pins))
-    return [shell_of(mechanism, model.layout, last.now, last.crank, k) for k in each]
+    last, chain = model._last, model.chain
+    at = chain_motion(chain.joints, last.now, last.crank)
+    return [shell_of(chain, at, last.now, e) for e in range(len(model.pins))]
 
 
 def rough_inputs(model, seed, size=50.0, speed=SPEED, gas=5e5):

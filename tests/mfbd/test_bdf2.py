@@ -13,11 +13,13 @@ from piston_cosim.fmu_mfbd.dynamics.bdf2 import (
 )
 from piston_cosim.fmu_mfbd.dynamics.first_steps import FIRST_STEPS, first_steps
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients
-from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import COORDINATES, NOWHERE, PIN, Layout
+from piston_cosim.fmu_mfbd.mechanism.cylinder import COORDINATES, PIN
 
 from .pin_models import STEP, Springs, crank_model
 
-LAYOUT = Layout(*[COORDINATES] * 6, NOWHERE, NOWHERE, COORDINATES)
+PLAYS = np.array([PIN.boss_x, PIN.eye_x])
+BY_BDF2 = np.zeros(COORDINATES)
+BY_BDF2[PIN.boss_x : PIN.spin] = 1.0
 """Coordinates of a pin without modes and without films of the crank."""
 
 
@@ -38,17 +40,18 @@ class Play:
     def advance(self, c, solve):
         """Advance by a step with coefficients; `solve` returns x from its prediction and reach."""
         before = self.motion
-        predicted = predicted_of(c, before, self.auxiliary, self.mean_velocity)
-        reach = reach_of(c, COORDINATES)
-        x, c1, c2 = (one[PIN.boss_x] for one in (predicted.position, *reach))
+        predicted = predicted_of(c, before, self.auxiliary, self.mean_velocity, BY_BDF2)
+        reach = reach_of(c, BY_BDF2)
+        each = predicted.position, reach.velocity, reach.position
+        x, c1, c2 = (one[PIN.boss_x] for one in each)
         a = np.zeros(COORDINATES)
         a[PIN.boss_x] = (solve(x, predicted.velocity[PIN.boss_x], c1, c2) - x) / c2
         end = Motion(
             predicted.position + reach.position * a, predicted.velocity + reach.velocity * a, a
         )
         self.mean_velocity = (end.position - before.position) / c.step
-        self.auxiliary = auxiliary_after(c, predicted, before, end)
-        limit_plays(LAYOUT, before, end, self.auxiliary, c.step)
+        self.auxiliary = auxiliary_after(c, predicted, before, end, BY_BDF2)
+        limit_plays(PLAYS, before, end, self.auxiliary, c.step)
         self.motion, self.last = end, c.step
 
 

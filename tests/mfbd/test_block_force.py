@@ -12,9 +12,11 @@ import pytest
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.motion_in_space import block_force, imbalance, tangent
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
-from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import of_modes, of_shapes
+from piston_cosim.fmu_mfbd.dynamics.pin_instant import of_skirt
+from piston_cosim.fmu_mfbd.dynamics.pin_shells import play_at, shapes_of
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import turned
+from piston_cosim.fmu_mfbd.mechanism.cylinder import BODY, EYE
 
 from .pin_models import (
     MAIN,
@@ -42,31 +44,28 @@ def all_momentum(model, position, velocity, crank):
     The angular momentum is about the crank axis, without the crank's own rotation. Velocities are
     differences of positions. Modes of eye, big end and main bearing have no momentum (Eq. (D40)).
     """
-    p, piston, first = PARAMETERS, model.bodies.piston, model.layout
-    own_crank = first.main_bearing >= 0
-
-    def play(q, start):
-        return q[start : start + 2] if start >= 0 else np.zeros(2)
+    p, piston, chain = PARAMETERS, model.system.piston, model.chain
+    in_big_end, in_main = chain.joints.play[BODY.rod], chain.joints.play[BODY.crank]
 
     def at(t):
         q = position + t * velocity
-        plays = play(q, first.big_end), play(q, first.main_bearing)
+        plays = play_at(in_big_end, q), play_at(in_main, q)
         return joints(q, crank.angle + t * crank.speed, *plays)
 
     (A, pin, rod, journal, u), _ = at(0.0)
     A_v, pin_v, rod_v, journal_v, u_v = derivative(lambda t: at(t)[0], 0.0, 1e-4)
     rod_turn = derivative(lambda t: at(t)[1], 0.0, 1e-4)
     w, axes = velocity[1], turned(position[1])
-    q, dq = of_modes(first, position), of_modes(first, velocity)
+    q, dq = of_skirt(chain, position)[2:], of_skirt(chain, velocity)[2:]
     s = axes @ (piston.S + piston.T @ q)
     s_v = w * np.array([-s[1], s[0]]) + axes @ piston.T @ dq
     spread = piston.I0 + 2 * piston.b @ q + q @ piston.B @ q
     in_frame = spread * w + (piston.g + piston.G @ q) @ dq
     thrown, thrown_v = (UNBALANCE * model.unbalanced * one for one in (u, u_v))
-    mass = MAIN.crank_mass if own_crank else 0.0
+    mass = MAIN.crank_mass if in_main >= 0 else 0.0
     momentum = piston.mass * A_v + s_v + p.pin_mass * pin_v + p.rod_mass * rod_v
     momentum = momentum + mass * journal_v + thrown_v
-    bent, bent_v = of_shapes(first, position), of_shapes(first, velocity)
+    bent, bent_v = shapes_of(chain, position, EYE), shapes_of(chain, velocity, EYE)
     shapes = sum(cross(*two) for two in zip(bent, bent_v))
     return np.array(
         [
@@ -75,7 +74,7 @@ def all_momentum(model, position, velocity, crank):
             + cross(s, A_v)
             + in_frame
             + p.pin_mass * cross(pin, pin_v)
-            + model.bodies.spin_inertia * velocity[6]
+            + chain.bodies.I0[BODY.pin] * velocity[6]
             + shapes
             + p.rod_mass * cross(rod, rod_v)
             + p.rod_inertia * rod_turn

@@ -11,13 +11,15 @@ import pytest
 from pydantic import ValidationError
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, faults
-from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms, imbalance
+from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces, PinResultants
+from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
 from piston_cosim.fmu_mfbd.options import Common
 
+from .chains import loads_of
 from .pin_models import (
     CENTRE,
     MAIN,
@@ -127,9 +129,8 @@ def test_equations_of_motion_against_newtons_law_of_every_body(names):
         for name in ("bosses", "eye", *names)
     }
     load = Load(lateral=110.0, axial=-9e3, moment=1.5, guided=800.0, modal=np.zeros(0))
-    of_crank = {name: films[name] for name in names}
-    acting = PinFilms(films["bosses"], films["eye"])._replace(**of_crank)
-    found = imbalance(model.bodies, load, now, crank, acting)
+    loads = loads_of(model.chain, load, now, films.values())
+    found = chain_forces(model.chain, loads, now, crank, FIXED)
 
     def at(t):
         q = now.position + t * now.velocity + t**2 / 2 * now.acceleration

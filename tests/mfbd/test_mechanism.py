@@ -5,18 +5,26 @@ import os
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics import floating_pin, pin_tangent
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import mode_coupling
-from piston_cosim.fmu_mfbd.dynamics.floating_pin import PinFilms
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.pin_coordinates import Crankshaft, PinBodies
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
-from piston_cosim.fmu_mfbd.geometry.pin import PinResultants
-from piston_cosim.fmu_mfbd.mechanism.chain import Element, Link, Loads, chain_of
-from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces, chain_tangent
+from piston_cosim.fmu_mfbd.mechanism.chain import Element, Link, chain_of
+from piston_cosim.fmu_mfbd.mechanism.cylinder import Cylinder, cylinder_chain, no_loads
+from piston_cosim.fmu_mfbd.mechanism.equations import (
+    block_motion,
+    chain_forces,
+    chain_tangent,
+    forces_at,
+)
+from piston_cosim.fmu_mfbd.mechanism.loads import HeldForces, loads_at
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
+from piston_cosim.fmu_mfbd.mechanism.solution import (
+    arrow_product,
+    factorise_chain,
+    solve_coupled,
+    substitute_chain,
+)
 from piston_cosim.master.fmi.block import row_of
 from piston_cosim.master.fmi.native_code import RAW
 
@@ -27,11 +35,15 @@ from .chains import (
     CRANK_MASS,
     GAS,
     MECHANISM,
+    SHAPES,
+    SHELL_MODES,
     SPIN_INERTIA,
     UNBALANCE,
     engine,
     flexible,
+    matrix_of,
     rigid,
+    springs,
     tied,
 )
 from .test_crank_films import derivative
@@ -56,23 +68,26 @@ def motion(built, seed=1):
     return Motion(*(np.hstack([scales, modal]) * rng.standard_normal((3, m + k))))
 
 
-def loads(built, now, seed=2):
-    """Return films, gas and forces on modes of any size, the gas on the bore's axis."""
+def held(built, seed=2):
+    """Return forces of films and skirt and on modes of any size, the gas on the bore's axis."""
     rng = np.random.default_rng(seed)
-    chain = built.chain
-    wrench = rng.standard_normal((len(chain.elements.acts), 4)) * [9e3, 9e3, 2.0, 2.0]
-    wrench[built.gas] = 0.0, -GAS, 0.0, 0.0
-    return Loads(wrench, 100 * rng.standard_normal(len(chain.bodies.stiffness)))
+    elements, modes = built.chain.elements, len(built.chain.bodies.stiffness)
+    n = len(elements.acts)
+    force, moment = 9e3 * rng.standard_normal((n, 2)), 2.0 * rng.standard_normal(n)
+    force[built.gas], moment[built.gas] = (0.0, -GAS), 0.0
+    slopes = 3e3 * rng.standard_normal(elements.modes.sum())
+    on_shapes = 3e3 * rng.standard_normal((n, elements.shapes.max(), 2))
+    return HeldForces(force, moment, 100 * rng.standard_normal(modes), slopes, on_shapes)
+
+
+def loads(built, now, seed=2):
+    """Return the loads of `held` in a motion."""
+    at = chain_motion(built.chain.joints, now, CRANK)
+    return loads_at(built.chain, held(built, seed), at, now)
 
 
 def reach(n, c1=0.5 * STEP, c2=0.25 * STEP**2):
     return Increments(np.full(n, c2), np.full(n, c1), np.ones(n))
-
-
-def on_piston(built, given, now, carrier=FIXED):
-    """Return the load of a piston as today's equations take it."""
-    skirt = given.wrench[built.skirts[0]]
-    return Load(skirt[0], skirt[1] - GAS, skirt[2], GAS, given.modal, carrier)
 
 
 def assert_close(own, known):
@@ -111,52 +126,31 @@ def test_a_tied_pin_is_the_chain_of_its_links(carrier):
             assert_close(row, known)
 
 
-def in_order(now):
-    """Return the places of today's coordinates: those of the crank's films come last."""
-    return [*range(7), *range(11, len(now.position)), 7, 8, 9, 10]
-
-
-def by_hand_with_films(piston, built, given):
-    """Return bodies and films of all pins of one cylinder as today's equations take them."""
-    crank = Crankshaft(True, True, CRANK_MASS, UNBALANCE)
-    wrenches = (given.wrench[built.films[first]] for first in (2, 4, 7, 9))
-    boss, eye, big_end, main = (PinResultants(w[:2], w[2], w[3]) for w in wrenches)
-    none = np.zeros(0)
-    films = PinFilms(boss, eye, np.zeros(len(piston.stiffness)), none, none, big_end, main)
-    return PinBodies(piston, MECHANISM, SPIN_INERTIA, crank=crank), films
-
-
-@pytest.mark.parametrize("modes", [0, 60])
-def test_a_floating_pin_with_films_of_the_crank_is_the_one_by_hand(modes):
-    """Residual, torque and tangent, plays by another rule of the integrator than the rest."""
+@pytest.mark.parametrize("films", [True, False])
+@pytest.mark.parametrize("modes", [0, 8])
+def test_a_cylinder_is_the_chain_by_names(modes, films):
+    """All tables of a cylinder that is built from numbers, with and without films."""
     piston = flexible(modes)
-    built = engine([piston], floating=True, crank_films=True)
-    now = motion(built)
-    given = loads(built, now)
-    bodies, films = by_hand_with_films(piston, built, given)
-    order = in_order(now)
-    theirs = Motion(*(one[order] for one in now))
-    load = on_piston(built, given, now)
-    known = floating_pin.imbalance(bodies, load, theirs, CRANK, films)
-    own = chain_forces(built.chain, given, now, CRANK, FIXED)
-    assert_close(own.residual[order], known.residual)
-    assert own.torque == pytest.approx(known.torque, rel=DIGITS)
-
-    by = reach(len(order))
-    held = [2, 3, 4, 5, *range(7, len(order))]
-    by.velocity[held], by.position[held] = STEP, STEP**2
-    slope = pin_tangent.tangent(
-        bodies, load, theirs, films, known, by.velocity[order], by.position[order]
+    by_name = engine([piston], films, films, yields=films).chain
+    own = cylinder_chain(
+        Cylinder(
+            piston=piston,
+            mechanism=MECHANISM,
+            spin_inertia=SPIN_INERTIA,
+            crank_mass=CRANK_MASS,
+            unbalance=UNBALANCE * films,
+            floats=films,
+            big_end=films,
+            main_bearing=films,
+            springs=springs((2 * SHAPES + 3 * SHELL_MODES) * films),
+            shapes=SHAPES * films,
+            big_end_modes=SHELL_MODES * films,
+            main_bearing_modes=SHELL_MODES * films,
+        )
     )
-    arrow = chain_tangent(built.chain, given, now, own, by)
-    w, alpha = now.velocity[1], now.acceleration[1]
-    coupling = mode_coupling(piston, alpha, w, by.velocity[-1], by.position[-1])
-    for row, expected in zip(matrix(arrow, coupling)[np.ix_(order, order)], slope):
-        assert_close(row, expected)
-
-
-def matrix(arrow, coupling):
-    return np.vstack([arrow.top, np.hstack([arrow.left, np.diag(arrow.diagonal) + coupling])])
+    for one, other in zip(own[:3], by_name[:3]):
+        for name, mine, known in zip(one._fields, one, other):
+            np.testing.assert_array_equal(mine, known, err_msg=name)
 
 
 TWO = [flexible(8, seed) for seed in (3, 5)]
@@ -165,7 +159,14 @@ ENGINES = {
     "everything": lambda: engine(TWO[:1], True, True, True, True),
     "two cylinders": lambda: engine(TWO, True, True, True),
 }
+YIELDING = {
+    "yields": lambda: engine(TWO[:1], True, True, yields=True),
+    "two that yield": lambda: engine(TWO, True, True, True, yields=True),
+}
 each_engine = pytest.mark.parametrize("built", [make() for make in ENGINES.values()], ids=ENGINES)
+each_that_yields = pytest.mark.parametrize(
+    "built", [make() for make in (ENGINES | YIELDING).values()], ids=ENGINES | YIELDING
+)
 
 
 def centres(chain, at, e):
@@ -185,22 +186,7 @@ def cross(a, b):
     return a[0] * b[1] - a[1] * b[0]
 
 
-def carried_on(chain, given, before, after):
-    """Return the loads of a changed motion, constant in the axes and about the points they have."""
-    wrench = given.wrench.copy()
-    for e, axes in enumerate(chain.elements.axes):
-        if axes >= 0:
-            angle = np.arctan2(after.axes[axes, 1], after.axes[axes, 0])
-            angle -= np.arctan2(before.axes[axes, 1], before.axes[axes, 0])
-            c, s = np.cos(angle), np.sin(angle)
-            wrench[e, :2] = np.array([[c, -s], [s, c]]) @ wrench[e, :2]
-        for at, force, sign in ((before, given.wrench[e], -1), (after, wrench[e], 1)):
-            marker, point = centres(chain, at, e)
-            wrench[e, 2] += sign * cross(point - marker, force)
-    return given._replace(wrench=wrench)
-
-
-@each_engine
+@each_that_yields
 def test_the_tangent_is_the_derivative(built):
     """All columns against differences of sixth order, half of them by another rule than the rest.
 
@@ -218,12 +204,11 @@ def test_the_tangent_is_the_derivative(built):
     def residual(change):
         moved = Motion(*(old + more * change for old, more in zip(now, by)))
         later = chain_motion(chain.joints, moved, CRANK)
-        forces = chain_forces(chain, carried_on(chain, given, at, later), moved, CRANK, moving)
-        return forces.residual
+        changed = loads_at(chain, held(built), later, moved)
+        return forces_at(chain, changed, later, moved, moving).residual
 
     own = chain_forces(chain, given, now, CRANK, moving)
-    at = own.motion
-    whole = np.asarray(matrix(chain_tangent(chain, given, now, own, by), 0.0))
+    whole = matrix_of(chain_tangent(chain, given, now, own, by))
     first = m
     for b in built.pistons:
         modes = slice(first, first + 8)
@@ -237,7 +222,32 @@ def test_the_tangent_is_the_derivative(built):
         np.testing.assert_array_less(np.abs(whole[:, j] - known), 2e-13 * scale + 2e-14)
 
 
-@each_engine
+@each_that_yields
+def test_the_solution_and_the_product_of_a_tangent(built):
+    """Right sides of many sizes, without and with coupled modes; the condition is about 1e6."""
+    chain = built.chain
+    now = motion(built)
+    n, m = len(now.position), chain.joints.tip.shape[1]
+    by = reach(n)
+    own = chain_forces(chain, loads(built, now), now, CRANK, MOVING)
+    arrow = chain_tangent(chain, loads(built, now), now, own, by)
+    factors = factorise_chain(arrow)
+    right = 10 ** np.linspace(-2, 2, n)
+    x = substitute_chain(factors, right)
+    np.testing.assert_allclose(arrow_product(arrow, x), right, rtol=1e-9)
+    moving = block_motion(chain.block, now, MOVING)
+    x = solve_coupled(chain.bodies, own.motion, moving, by, factors, right)
+    whole = matrix_of(arrow)
+    first = m
+    for b, body in zip(built.pistons, TWO):
+        w, alpha = (own.inertia.frames[b, k] for k in (3, 2))
+        modes = slice(first, first + 8)
+        whole[modes, modes] += mode_coupling(body, alpha, w, by.velocity[first], by.position[first])
+        first += 8
+    np.testing.assert_allclose(x, np.linalg.solve(whole, right), rtol=1e-8)
+
+
+@each_that_yields
 def test_forces_and_motion_agree_in_virtual_work(built):
     """Power of all elements and modal forces in space, and in coordinates and drive.
 
@@ -246,7 +256,7 @@ def test_forces_and_motion_agree_in_virtual_work(built):
     chain = built.chain
     now = motion(built)
     given = loads(built, now)
-    none = Loads(0 * given.wrench, 0 * given.modal)
+    none = no_loads(chain)
     at = chain_motion(chain.joints, now, CRANK)
     table = chain.elements
     power = [given.modal @ now.velocity[chain.joints.tip.shape[1] :]]
@@ -279,8 +289,7 @@ def test_momentum_and_energy(built):
     """
     chain, bodies = built.chain, built.chain.bodies
     now = motion(built)
-    given = loads(built, now)
-    none = Loads(0 * given.wrench, 0 * given.modal)
+    none = no_loads(chain)
     m = chain.joints.tip.shape[1]
     if chain.block >= 0:
         for one in now:
@@ -339,7 +348,7 @@ def test_a_chain_that_cannot_be_lists_all_faults():
 @pytest.mark.slow
 def test_one_compiled_kernel_serves_every_chain():
     """Compiled code of one signature solves chains of 4 and 7 bodies as Python does."""
-    for make in ENGINES.values():
+    for make in (ENGINES | YIELDING).values():
         built = make()
         now = motion(built)
         n = len(now.position)

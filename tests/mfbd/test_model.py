@@ -44,7 +44,7 @@ def test_the_first_two_steps_are_backward_euler(model):
     """Eq. (N8), of everything that has inertia; the third step is not."""
     before, _ = model.start(0.3, 2e-6, 1e-4, inputs(model, size=0.0))
     coordinates = RIGID + len(model.system.piston.stiffness)
-    moving = np.r_[: model.layout.size if model.pins else coordinates]
+    moving = np.r_[: model.coordinates if model.pins else coordinates]
     apart = []
     for k in range(3):
         state, _ = model.advance(before, inputs(model, k), STEP)

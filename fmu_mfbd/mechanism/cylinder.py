@@ -1,0 +1,343 @@
+"""The chain of one cylinder: crank, rod, pin and piston, and the films between them.
+
+Its coordinates are x_A, the rocking angle, then with a floating pin those of `PIN`, crank pin from
+the rod's big end (x, y) and journal from the main bearing (x, y) if they have a film. Modes of the
+piston follow, then shapes of the pin along x and along y, modes of eye, big end and main bearing.
+
+Relative coordinates keep the digits of a pin that moves by micrometres in its films. The rod stays
+on the crank without a constraint to drift from. The modes of shells have the inertia of their own
+motion alone (Eq. (D40)), in the axes of rod and block: the mass of the shells is that of these
+bodies already. The weight of the eye of `yielding_bosses` at 6700 m/s2 bends it by 0.9 um, a film
+under 25 kN by 20 to 60 (`tests/bench/small_end.py`).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable
+from ..dynamics.carrier import FIXED
+from ..dynamics.floating_frame import Arrow, FlexibleBody, X, Y
+from ..dynamics.generalised_alpha import Motion
+from ..dynamics.modal_damping import ModalSprings
+from ..dynamics.piston_motion import LATERAL, RIGID, ROCKING
+from ..dynamics.slider_crank import CrankMotion, Mechanism
+from ..geometry.pin import PIN_SURFACES
+from .chain import BLOCK, NONE, Bodies, Chain, Elements, Joints, Loads
+from .equations import chain_forces, chain_tangent
+from .motion import Increments
+
+EYE = PIN_SURFACES.index("small_end")
+"""Number of the eye's film; those of the bosses come before it, those of the crank after."""
+
+
+class CylinderBodies(NamedTuple):
+    """Numbers of the bodies of a cylinder."""
+
+    crank: int = 0
+    rod: int = 1
+    pin: int = 2
+    piston: int = 3
+
+
+BODY = CylinderBodies()
+
+
+class PinCoordinates(NamedTuple):
+    """Numbers of the coordinates of a floating pin.
+
+    They are the positions of its axis from that of the piston's bosses and of the rod's eye [m],
+    along x and y of the block, and its angle about +z [rad].
+    """
+
+    boss_x: int = RIGID
+    boss_y: int = RIGID + 1
+    eye_x: int = RIGID + 2
+    eye_y: int = RIGID + 3
+    spin: int = RIGID + 4
+
+
+PIN = PinCoordinates()
+COORDINATES = PIN.spin + 1
+"""Those of a floating pin without films of the crank and modes."""
+
+
+class Cylinder(NamedTuple):
+    """What the chain of a cylinder is made of.
+
+    Parameters
+    ----------
+    piston : FlexibleBody
+    mechanism : Mechanism
+    spin_inertia : float
+        Of the pin about its axis [kg m2].
+    crank_mass : float
+        That moves with the journal in the main bearing [kg].
+    unbalance : float
+        Of the crank, mass times distance towards the crank pin [kg m].
+    floats, big_end, main_bearing : bool
+        Which of pin, big end and main bearing have films; the latter two only with the first.
+    springs : ModalSprings
+        Of the pin's shapes and of the modes of all shells.
+    shapes, big_end_modes, main_bearing_modes : int
+        Number of shapes along each axis, and of the last modes in `springs`.
+    """
+
+    piston: FlexibleBody
+    mechanism: Mechanism
+    spin_inertia: float
+    crank_mass: float
+    unbalance: float
+    floats: bool
+    big_end: bool
+    main_bearing: bool
+    springs: ModalSprings
+    shapes: int
+    big_end_modes: int
+    main_bearing_modes: int
+
+
+@compilable
+def cylinder_chain(c: Cylinder) -> Chain:
+    """Return the chain of a cylinder on a fixed block: elements of all films, of skirt and gas.
+
+    Eq. (K16):  x_S = x_A + a_x - e_x,   Y_A = Y_S + e_y - a_y,   x_P = x_A + a_x
+                of the rod's eye S and the pin P: a = P - A from the bosses, e = P - S from the eye
+    Eq. (K25):  O = m,   C = O + r u,   B = C - b,   u = (-sin phi, cos phi)
+                of the crank's journal O, its pin C and the rod's big end B: m from the main
+                bearing, b from the big end
+    """
+    joints = _joints_of(c)
+    return Chain(_bodies_of(c), joints, _elements_of(c, joints), NONE, np.zeros((3, 3, 3)))
+
+
+@compilable
+def _bodies_of(c):
+    """Return the inertia of crank, rod, pin and piston."""
+    n, k = len(BODY), len(c.piston.stiffness)
+    rod, centre = c.mechanism.rod_mass, c.mechanism.rod_centre * c.mechanism.rod_length
+    masses, S, modes = np.zeros((2, n)), np.zeros((n, 2)), np.zeros((2, n + 1), np.int64)
+    mass, I0 = masses[0], masses[1]
+    mass[BODY.crank] = c.crank_mass if c.main_bearing else 0.0
+    S[BODY.crank, Y] = c.unbalance
+    mass[BODY.rod], S[BODY.rod, Y] = rod, rod * centre
+    I0[BODY.rod] = c.mechanism.rod_inertia + rod * centre**2
+    mass[BODY.pin] = c.mechanism.pin_mass
+    if c.floats:
+        I0[BODY.pin] = c.spin_inertia
+    mass[BODY.piston], I0[BODY.piston] = c.piston.mass, c.piston.I0
+    S[BODY.piston, X], S[BODY.piston, Y] = c.piston.S[X], c.piston.S[Y]
+    modes[0, n], modes[1, n] = k, 2 * k * k
+    coupling = np.empty((2, k, k))
+    for i in range(k):
+        for j in range(k):
+            coupling[0, i, j], coupling[1, i, j] = c.piston.B[i, j], c.piston.G[i, j]
+    s = len(c.springs.stiffness)
+    springs = np.empty((2, k + s))
+    for i in range(k):
+        springs[0, i], springs[1, i] = c.piston.stiffness[i], c.piston.damping[i]
+    for i in range(s):
+        springs[0, k + i], springs[1, k + i] = c.springs.stiffness[i], c.springs.damping[i]
+    return Bodies(
+        mass,
+        I0,
+        S,
+        modes[0],
+        modes[1],
+        c.piston.T.copy(),
+        c.piston.b.copy(),
+        c.piston.g.copy(),
+        coupling.reshape(2 * k * k),
+        springs[0],
+        springs[1],
+    )
+
+
+@compilable
+def _joints_of(c):
+    """Return the joints of crank, rod, pin and piston, each hangs on the one before it."""
+    n = len(BODY)
+    parent, play, angle = np.full(n, BLOCK), np.full(n, NONE), np.full(n, NONE)
+    marker, sign, driven = np.zeros((n, 2)), np.ones(n), np.zeros(n)
+    length, offset = np.zeros(n), np.zeros(n)
+    for b in range(1, n):
+        parent[b] = b - 1
+    angle[BODY.pin], angle[BODY.piston] = ROCKING, ROCKING
+    size = RIGID
+    if c.floats:
+        play[BODY.piston], play[BODY.pin], angle[BODY.pin] = PIN.boss_x, PIN.eye_x, PIN.spin
+        size = COORDINATES
+    if c.big_end:
+        play[BODY.rod] = size
+        size += 2
+    if c.main_bearing:
+        play[BODY.crank] = size
+        size += 2
+    # Eqs. (K16), (K25)
+    sign[BODY.piston], sign[BODY.rod] = -1.0, -1.0
+    driven[BODY.crank] = 1.0
+    marker[BODY.rod, Y], marker[BODY.pin, Y] = c.mechanism.crank_radius, c.mechanism.rod_length
+    length[BODY.rod], offset[BODY.rod] = c.mechanism.rod_length, c.mechanism.offset
+    tip = np.zeros((n, size))
+    tip[BODY.rod, LATERAL] = 1.0
+    if c.floats:
+        tip[BODY.rod, PIN.boss_x], tip[BODY.rod, PIN.eye_x] = 1.0, -1.0
+    return Joints(
+        parent=parent,
+        play=play,
+        angle=angle,
+        marker=marker,
+        sign=sign,
+        driven=driven,
+        rod_length=length,
+        offset=offset,
+        tip=tip,
+        friction_lever=np.zeros(n),
+        friction_speed=np.ones(n),
+        friction_damping=np.zeros(n),
+    )
+
+
+@compilable
+def _elements_of(c, joints):
+    """Return the force elements: films in the order of their surfaces, then skirt and gas."""
+    films = (EYE + 1 if c.floats else 0) + c.big_end + c.main_bearing
+    n = films + 2
+    out = Elements(
+        acts=np.full(n, BODY.piston),
+        reacts=np.full(n, BLOCK),
+        carrier=np.full(n, BLOCK),
+        axes=np.full(n, BLOCK),
+        play=np.full(n, NONE),
+        mode=np.zeros(n, np.int64),
+        modes=np.zeros(n, np.int64),
+        shape=np.zeros(n, np.int64),
+        shapes=np.zeros(n, np.int64),
+        marker=np.zeros((n, 2)),
+        point=np.zeros((n, 2)),
+        at_point=np.zeros(n),
+    )
+    k = len(c.piston.stiffness)
+    eye = k + 2 * c.shapes
+    main = k + len(c.springs.stiffness) - c.main_bearing_modes
+    big_end = main - c.big_end_modes
+    for e in range(films):
+        if e < EYE:
+            _put_film(out, e, BODY.pin, BODY.piston, joints.play[BODY.piston], 0, k)
+        elif e == EYE:
+            _put_film(out, e, BODY.pin, BODY.rod, joints.play[BODY.pin], eye, big_end - eye)
+            out.point[e, Y] = c.mechanism.rod_length
+        elif e == EYE + 1 and c.big_end:
+            _put_film(out, e, BODY.crank, BODY.rod, joints.play[BODY.rod], big_end, c.big_end_modes)
+            out.marker[e, Y] = c.mechanism.crank_radius
+        else:
+            _put_film(
+                out, e, BODY.crank, BLOCK, joints.play[BODY.crank], main, c.main_bearing_modes
+            )
+        if e <= EYE:
+            out.shape[e], out.shapes[e] = k, c.shapes
+    out.carrier[films] = BODY.piston
+    out.point[films + 1, X], out.at_point[films + 1] = c.mechanism.offset, 1.0
+    return out
+
+
+@compilable
+def _put_film(out, e, journal, shell, play, mode, modes):
+    """Write a film between a journal and the shell that its forces turn with."""
+    out.acts[e], out.reacts[e], out.carrier[e], out.axes[e] = journal, shell, shell, shell
+    out.play[e], out.mode[e], out.modes[e] = play, mode, modes
+
+
+@compilable
+def film_of(chain: Chain, body: int) -> int:
+    """Return the number of the first film in the joint of a body, `NONE` if it has none."""
+    play = chain.joints.play[body]
+    for e in range(len(chain.elements.play)):
+        if play >= 0 and chain.elements.play[e] == play:
+            return e
+    return NONE
+
+
+@compilable
+def by_bdf2(chain: Chain) -> np.ndarray:
+    """Return 1 for each coordinate that follows BDF2, else 0, shape (m + k,).
+
+    With a floating pin these are its plays and all modes: they are so stiff that a step does not
+    resolve their inertia.
+    """
+    m = chain.joints.tip.shape[1]
+    out = np.zeros(m + len(chain.bodies.stiffness))
+    for first in chain.joints.play:
+        if first >= 0:
+            for j in range(first, first + 2):
+                out[j] = 1.0
+            for j in range(m, len(out)):
+                out[j] = 1.0
+    return out
+
+
+@compilable
+def motion_across(c: Cylinder, of_rod: float) -> Arrow:
+    """Return M of the motion across the bore and of the pin in its shells.
+
+    Eq. (D22):  T = q' . M q'/2      of piston and pin, the piston upright, the rod's eye along the
+                                     bore as its big end, at rest without play in it; all other
+                                     modes by their own inertia
+    Eq. (D35):  T += m_r (delta'^2 + 2 k eye' delta_x')/2 + m_c m'^2/2      eye = x_S - delta_x
+
+    With the rod, it swings with its eye (Eqs. (K12), (K16)), and rod and crank move by the play at
+    the crank. Driven motion along the bore is none of it, as with a pin that is tied.
+
+    Parameters
+    ----------
+    c : Cylinder
+    of_rod : float
+        Share of the masses of rod and crank that counts: 0 or 1.
+    """
+    rod = c.mechanism
+    upright = Mechanism(
+        rod.crank_radius,
+        rod.rod_length,
+        0.0,
+        of_rod * rod.rod_mass,
+        of_rod * rod.rod_inertia,
+        rod.rod_centre,
+        rod.pin_mass,
+        rod.friction,
+    )
+    chain = cylinder_chain(
+        Cylinder(
+            c.piston,
+            upright,
+            c.spin_inertia,
+            of_rod * c.crank_mass,
+            c.unbalance,
+            c.floats,
+            c.big_end,
+            c.main_bearing,
+            c.springs,
+            c.shapes,
+            c.big_end_modes,
+            c.main_bearing_modes,
+        )
+    )
+    m, k = chain.joints.tip.shape[1], len(chain.bodies.stiffness)
+    none = np.zeros(m + k)
+    still = Motion(none, none, none)
+    loads = no_loads(chain)
+    forces = chain_forces(chain, loads, still, CrankMotion(0.0, 0.0, 0.0), FIXED)
+    by = Increments(none, none, np.ones(m + k))
+    return chain_tangent(chain, loads, still, forces, by)  # Eqs. (D22), (D35)
+
+
+@compilable
+def no_loads(chain: Chain) -> Loads:
+    """Return loads of zero."""
+    n = len(chain.elements.acts)
+    slopes = 0
+    shapes = 0
+    for e in range(n):
+        slopes += chain.elements.modes[e]
+        shapes = max(shapes, chain.elements.shapes[e])
+    modal = np.zeros(len(chain.bodies.stiffness))
+    return Loads(np.zeros((n, 4)), modal, np.zeros(slopes), np.zeros((n, shapes, 2)))

@@ -1,0 +1,106 @@
+"""Loads of a chain from forces that are constant in the axes of a body, as those of films."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable
+from ..dynamics.floating_frame import X, Y
+from ..dynamics.generalised_alpha import Motion
+from .chain import Chain, Loads
+from .equations import moment_of_shapes, point_of
+from .motion import ChainMotion
+
+MOMENT, REACTION = 2, 3
+"""Columns of `Loads.wrench` after the force."""
+
+
+class HeldForces(NamedTuple):
+    """Forces of e elements, each in the axes that it turns with.
+
+    Parameters
+    ----------
+    force : ndarray, shape (e, 2)
+        On the body that the element acts on [N].
+    moment : ndarray, shape (e,)
+        On it about the element's point, without slopes and shapes [N m].
+    modal : ndarray, shape (k,)
+        On all modes but shapes [kg^-1/2 N].
+    slopes
+        As of `Loads`.
+    on_shapes : ndarray, shape (e, n, 2)
+        [kg^-1/2 N]
+    """
+
+    force: np.ndarray
+    moment: np.ndarray
+    modal: np.ndarray
+    slopes: np.ndarray
+    on_shapes: np.ndarray
+
+
+@compilable
+def loads_at(chain: Chain, held: HeldForces, at: ChainMotion, now: Motion) -> Loads:
+    """Return the loads in a motion, linear in the forces.
+
+    Eq. (D65):  M = M_P + d x F + sum_i c_i q_i - sum_k s_k x Q_k,   M_R = -M_P - sum_i c_i q_i
+                M_P the moment about the point P, d from the marker to P, c slopes by modes q
+                s shapes of the body that the element acts on, Q the forces on them
+
+    The play of an element is -d, which keeps the digits of a thin film.
+
+    Parameters
+    ----------
+    chain : Chain
+    held : HeldForces
+    at : ChainMotion
+    now : Motion
+
+    Returns
+    -------
+    Loads
+    """
+    elements = chain.elements
+    m = chain.joints.tip.shape[1]
+    wrench, on_shapes = np.empty((len(elements.acts), 4)), np.empty(held.on_shapes.shape)
+    out = Loads(wrench, held.modal.copy(), held.slopes, on_shapes)
+    slope = 0
+    for e in range(len(wrench)):
+        c, s = 1.0, 0.0
+        if elements.axes[e] >= 0:
+            c, s = at.axes[elements.axes[e], 0], at.axes[elements.axes[e], 1]
+        x = c * held.force[e, X] - s * held.force[e, Y]
+        y = s * held.force[e, X] + c * held.force[e, Y]
+        for k in range(elements.shapes[e]):
+            fx, fy = held.on_shapes[e, k, X], held.on_shapes[e, k, Y]
+            on_shapes[e, k, X], on_shapes[e, k, Y] = c * fx - s * fy, s * fx + c * fy
+            for way in range(2):
+                out.modal[elements.shape[e] + way * elements.shapes[e] + k] += on_shapes[e, k, way]
+        moment = held.moment[e]
+        for j in range(m + elements.mode[e], m + elements.mode[e] + elements.modes[e]):
+            moment += held.slopes[slope] * now.position[j]
+            slope += 1
+        # Eq. (D65)
+        dx, dy = _to_point(elements, at, now, e)
+        wrench[e, X], wrench[e, Y] = x, y
+        bent = moment_of_shapes(elements, out, now, m, e)
+        wrench[e, MOMENT], wrench[e, REACTION] = moment + dx * y - dy * x - bent, -moment
+    return out
+
+
+@compilable
+def _to_point(elements, at, now, e):
+    """Return the vector from the centre of the moment of element e to its point [m]."""
+    if elements.at_point[e] != 0.0:
+        return 0.0, 0.0
+    first = elements.play[e]
+    if first >= 0:
+        return -now.position[first], -now.position[first + 1]
+    body = elements.acts[e]
+    c, s = at.axes[body, 0], at.axes[body, 1]
+    mx, my = elements.marker[e, X], elements.marker[e, Y]
+    px, py = point_of(elements, at, e)
+    return (
+        px - at.position[body, X] - (c * mx - s * my),
+        py - at.position[body, Y] - (s * mx + c * my),
+    )
