@@ -1,13 +1,16 @@
 """Values of parameters: texts with units to numbers of an FMU, with the key of each fault."""
 
 from dataclasses import replace
-from math import inf
+from math import inf, isclose
 
 import numpy as np
 
 from ..fmi.errors import names_of, unknown
 from ..fmi.quantities import angle_power, is_known, pint_unit, to_si
 from .keys import SETTABLE
+
+ROUND_OFF = 1e-14
+"""Relative error of a conversion of units."""
 
 
 def given_values(participant, given, faults):
@@ -68,6 +71,8 @@ def value_of(field, text):
     fits = getattr(field, "whole_numbers", None) or (-inf, inf)
     low = fits[0] if field.minimum is None else max(fits[0], field.minimum)
     high = fits[1] if field.maximum is None else min(fits[1], field.maximum)
+    for end in () if is_whole else (low, high):
+        value = end if isclose(value, end, rel_tol=ROUND_OFF) else value
     if not low <= value <= high:
         unit = "" if field.unit == "1" else f" {field.unit}"
         ends = " to ".join(str(end) if isinstance(end, int) else f"{end:g}" for end in (low, high))

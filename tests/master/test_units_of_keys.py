@@ -157,3 +157,13 @@ def test_an_fmu_may_omit_the_angle_in_its_base_unit(angle):
     assert value_of(field, "3000 rpm") == pytest.approx(3000.0, rel=1e-14)
     with pytest.raises(ValueError, match="expected a quantity"):
         value_of(field, "3000")
+
+
+def test_the_end_of_a_range_is_in_the_range_in_every_unit():
+    """100 / 1e9 is one last digit above 1e-7."""
+    ends = 1e-10, 1e-7
+    field = Field("alpha", (), (0,), "Real", "parameter", "1/Pa", None, *ends, None, "")
+    assert to_si("100 1/GPa", "1/Pa") > 1e-7
+    assert value_of(field, "100 1/GPa") == 1e-7
+    with pytest.raises(ValueError, match="expected 1e-10 to 1e-07 1/Pa, got 100.0001 1/GPa"):
+        value_of(field, "100.0001 1/GPa")
