@@ -474,6 +474,12 @@ def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
         )
     if piston.tie not in (None, "rbe3"):
         faults.append(f"piston.tie: expected 'rbe3' with floating_pin, got {piston.tie!r}")
+    if piston.boss_length is not None:
+        got = f"{1e3 * piston.boss_length:g} mm"
+        faults.append(
+            f"piston.boss_length: expected nothing with floating_pin, got {got}; "
+            "floating_pin.boss_length is that of the films"
+        )
     if piston.basis not in (films := ("smooth_pressure_modes", "pressure_modes")):
         wanted = " or ".join(map(repr, films))
         faults.append(f"piston.basis: expected {wanted} with floating_pin, got {piston.basis!r}")

@@ -104,7 +104,7 @@ def messages_on_fit(
     flexible = bool(build.piston.modes) and not build.piston.rigid
     out += _interference(shapes, block.body.radius, flexible)
     if not any(getattr(chosen, name) for name in COLD):
-        text = f"no thermal growth given ({', '.join(COLD)}): hot is as cold"
+        text = f"thermal growth not set ({', '.join(COLD)}): hot clearance equals cold clearance"
         out.append(Message("remark", text))
     if build.piston.profiles and (chosen.barrel or chosen.ovality):
         text = (

@@ -133,6 +133,7 @@ REFUSED = {
     "data_sheet": [([(SPACE, MOMENTS), TILT], "", 0)],
     "yielding_bosses": [
         ([(f"{BUILD}.piston.tie", "rbe2")], "expected 'rbe3'", 1),
+        ([(f"{BUILD}.piston.boss_length", "9 mm")], "with floating_pin, got 9 mm; floating_pin", 1),
         ([(f"{PIN}.boss_modes", 100)], "expected 1 to 99 of 100 modes, got 100", 1),
         # the grid of the skirt limits its own 40 modes only
         ([(f"{BUILD}.piston.modes", 200), (f"{PIN}.boss_modes", 160)], "", 0),
