@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compiled
+from ...master.fmi.compiled import compiled, packed
 
 
 class PinFriction(NamedTuple):
@@ -47,6 +47,9 @@ class PinFriction(NamedTuple):
     lever: float
     speed: float
     viscous: float
+
+
+put_pin_friction, pin_friction_from = packed(PinFriction)
 
 
 class PinMoment(NamedTuple):

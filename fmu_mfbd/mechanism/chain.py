@@ -27,8 +27,11 @@ NONE = -1
 NO_MOUNTS = np.zeros((3, 3, 3))
 NO_SPRINGS = ModalSprings(np.zeros(0), np.zeros(0))
 
-SMOOTH = PinFriction(0.0, 1.0, 0.0)
+SMOOTH = PinFriction(0.0, 0.0, 0.0)
 """Friction of a joint that has none."""
+
+LEVER, VISCOUS = map(PinFriction._fields.index, ("lever", "viscous"))
+"""Columns of `Joints.friction`."""
 
 
 class Bodies(NamedTuple):
@@ -82,8 +85,8 @@ class Joints(NamedTuple):
         [m], length 0 unless the body is a rod that swings.
     tip : ndarray, shape (n, m)
         [-]
-    friction_lever, friction_speed, friction_damping : ndarray, shape (n,)
-        As of `PinFriction`.
+    friction : ndarray, shape (n, 3)
+        A `PinFriction` of each.
     """
 
     parent: Numbers
@@ -95,9 +98,7 @@ class Joints(NamedTuple):
     rod_length: Vector
     offset: Vector
     tip: Matrix
-    friction_lever: Vector
-    friction_speed: Vector
-    friction_damping: Vector
+    friction: Matrix
 
 
 class Elements(NamedTuple):
@@ -331,16 +332,8 @@ def chain_of(
         row[list(link.tip)] = list(link.tip.values())
     numbers = {name: whole(links, name) for name in ("parent", "play", "angle")}
     factors = {name: real(links, name) for name in ("sign", "driven", "rod_length", "offset")}
-    lever, speed, damping = np.array([link.friction for link in links]).T.copy()
-    joints = Joints(
-        marker=real(links, "marker", (2,)),
-        tip=tip,
-        friction_lever=lever,
-        friction_speed=speed,
-        friction_damping=damping,
-        **numbers,
-        **factors,
-    )
+    pairs = {"marker": real(links, "marker", (2,)), "friction": real(links, "friction", (3,))}
+    joints = Joints(tip=tip, **pairs, **numbers, **factors)
     numbers = {name: whole(elements, name) for name in NUMBERS}
     points = {name: real(elements, name, (2,)) for name in ("marker", "point")}
     table = Elements(**numbers, **points, at_point=real(elements, "at_point"))

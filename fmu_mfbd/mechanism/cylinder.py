@@ -192,9 +192,7 @@ def _joints_of(c):
         rod_length=length,
         offset=offset,
         tip=tip,
-        friction_lever=np.zeros(n),
-        friction_speed=np.ones(n),
-        friction_damping=np.zeros(n),
+        friction=np.zeros((n, 3)),
     )
 
 

@@ -8,9 +8,9 @@ from ...master.fmi.compiled import compilable
 from ..dynamics.carrier import Carrier
 from ..dynamics.floating_frame import TURN, Arrow, X, Y
 from ..dynamics.generalised_alpha import Motion
-from ..dynamics.pin_friction import PinFriction, PinMoment, friction_moment
+from ..dynamics.pin_friction import PinMoment, friction_moment, pin_friction_from
 from ..dynamics.slider_crank import CrankMotion
-from .chain import Chain, Elements, Joints, Loads
+from .chain import LEVER, VISCOUS, Chain, Elements, Joints, Loads
 from .inertia import (
     ALPHA,
     AX,
@@ -208,7 +208,12 @@ def _inwards(joints, at, force, residual):
                 residual[j] -= joints.tip[b, j] * push
             force[b, X] += push
         else:
-            moment = force[b, TURN] - _rub(joints, at, force, b)
+            moment = force[b, TURN]
+            if has_friction(joints.friction, b):
+                rubbing = friction_at(joints, at, force, b).moment
+                moment -= rubbing
+                if joints.parent[b] >= 0:
+                    force[joints.parent[b], TURN] += rubbing
             torque += joints.driven[b] * moment
             if joints.angle[b] >= 0:
                 residual[joints.angle[b]] += moment
@@ -231,27 +236,14 @@ def friction_at(joints: Joints, at: ChainMotion, force: np.ndarray, b: int) -> P
     slip = at.velocity[b, TURN]
     if parent >= 0:
         slip -= at.velocity[parent, TURN]
-    friction = PinFriction(
-        joints.friction_lever[b], joints.friction_speed[b], joints.friction_damping[b]
-    )
+    friction = pin_friction_from(joints.friction[b])
     return friction_moment(friction, force[b, X], force[b, Y], slip)
 
 
 @compilable
-def _rubs(joints, b):
-    """Return whether the joint of body b has friction."""
-    return joints.friction_lever[b] > 0.0 or joints.friction_damping[b] > 0.0
-
-
-@compilable
-def _rub(joints, at, force, b):
-    """Return the moment of friction on body b, and add it to the force that its parent needs."""
-    if not _rubs(joints, b):
-        return 0.0
-    moment = friction_at(joints, at, force, b).moment
-    if joints.parent[b] >= 0:
-        force[joints.parent[b], TURN] += moment
-    return moment
+def has_friction(friction: np.ndarray, b: int) -> bool:
+    """Return whether the joint of body b has friction; see `Joints`."""
+    return friction[b, LEVER] > 0.0 or friction[b, VISCOUS] > 0.0
 
 
 class ChainDerivative(NamedTuple):
@@ -458,7 +450,7 @@ def _inward_changes(joints, at, force, d, change, top):
                     for j in range(columns):
                         top[i, j] -= tip * push[j]
         else:
-            if _rubs(joints, b):
+            if has_friction(joints.friction, b):
                 _rub_changes(joints, at, force, b, d, change)
             if joints.driven[b] != 0.0:
                 for j in range(columns):

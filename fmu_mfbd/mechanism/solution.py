@@ -15,7 +15,7 @@ from ..dynamics.elimination import LUFactors, factorise, no_factors, substitute
 from ..dynamics.floating_frame import TURN, Arrow, X, Y
 from ..dynamics.generalised_alpha import Motion, Prediction
 from ..dynamics.slider_crank import CrankMotion
-from .chain import Bodies, Chain, Loads
+from .chain import LEVER, Bodies, Chain, Loads
 from .equations import (
     ChainForces,
     chain_derivative,
@@ -102,11 +102,12 @@ def solve_motion(
     slope = chain_derivative(chain, loads, now, forces, by)
     tangents = 1
     change = np.zeros(n)
-    size, total, share = 0.0, 0.0, 1.0
+    size, total, noise, share = 0.0, 0.0, 0.0, 1.0
     for evaluation in range(1, PASSES):
         if evaluation > 1:
             forces = chain_forces(chain, loads, now, drive, given)
-            noise = ROUND_OFF * _noise(chain, loads, now, forces, slope, by)
+            if evaluation == 2:  # it hardly changes any more
+                noise = ROUND_OFF * _noise(chain, loads, now, forces, slope, by)
             if size <= 1e-11 * total + noise:
                 return ChainSolution(now, forces, evaluation, tangents, size)
         fresh = solve_chain(slope.arrow, forces.residual)
@@ -191,7 +192,7 @@ def _sizes(chain, loads, forces):
         climb = f.ax + f.ay
         push = abs(forces.joints[b, X]) + abs(forces.joints[b, Y])
         out[b, X] = out[b, Y] = bodies.mass[b] * climb
-        out[b, TURN] = (f.sx + f.sy) * climb + chain.joints.friction_lever[b] * push
+        out[b, TURN] = (f.sx + f.sy) * climb + chain.joints.friction[b, LEVER] * push
     for e in range(len(loads.wrench)):
         x, y = abs(loads.wrench[e, X]), abs(loads.wrench[e, Y])
         px, py = point_of(elements, at, e)

@@ -5,6 +5,7 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..dynamics.floating_frame import FlexibleBody, X, Y
 from ..dynamics.generalised_alpha import Motion
+from ..dynamics.pin_friction import put_pin_friction
 from ..dynamics.piston_motion import LATERAL, ROCKING, Load
 from ..dynamics.slider_crank import CrankMotion, Mechanism
 from .chain import BLOCK, NONE, Bodies, Chain, Elements, Joints, Loads
@@ -51,7 +52,8 @@ def tied_pin(piston: FlexibleBody, mechanism: Mechanism, crank_unbalance: float)
     marker, tip = np.zeros((3, 2)), np.zeros((3, 2))
     marker[ROD, Y], marker[PISTON, Y] = mechanism.crank_radius, length
     tip[ROD, LATERAL] = 1.0
-    friction = mechanism.friction
+    friction = np.zeros((3, 3))
+    put_pin_friction(friction[PISTON], mechanism.friction)
     return Chain(
         Bodies(
             mass=np.array((0.0, mass + mechanism.pin_mass, piston.mass)),
@@ -76,9 +78,7 @@ def tied_pin(piston: FlexibleBody, mechanism: Mechanism, crank_unbalance: float)
             rod_length=np.array((0.0, length, 0.0)),
             offset=np.array((0.0, mechanism.offset, 0.0)),
             tip=tip,
-            friction_lever=np.array((0.0, 0.0, friction.lever)),
-            friction_speed=np.array((1.0, 1.0, friction.speed)),
-            friction_damping=np.array((0.0, 0.0, friction.viscous)),
+            friction=friction,
         ),
         Elements(
             acts=np.full(2, PISTON),
