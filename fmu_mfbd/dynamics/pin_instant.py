@@ -305,6 +305,19 @@ def elastic_energy(chain: Chain, position: np.ndarray) -> float:
     return total
 
 
+@compilable
+def _ledger(of, before, kept, end, by_films, driven):
+    """Return the energies at the end of a step; `driven` is the work along the driven motion."""
+    momenta = Momenta(
+        arrow_product(of.with_rod, before.velocity),
+        arrow_product(of.with_rod, kept.velocity),
+        arrow_product(of.with_rod, mean_acceleration(before, end)),
+        arrow_product(of.inertia, kept.velocity),
+    )
+    elastic = elastic_energy(of.chain, kept.position)
+    return energy_ledger(before, kept, end, momenta, by_films, driven, elastic)
+
+
 @compiled
 def end_of_pin_step(
     of: PinSystem, step: StepProblem, skirt_forces: NodalForces, forces: PinForces
@@ -356,14 +369,7 @@ def end_of_pin_step(
     driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guided.velocity + on_pins.driven
     for k in range(len(load.modal)):
         loads.modal[k] -= others.gas * system.gas_force[k]
-    all_forces = coordinate_forces(chain, loads, skirt)
-    momenta = Momenta(
-        arrow_product(of.with_rod, before.velocity),
-        arrow_product(of.with_rod, kept.velocity),
-        arrow_product(of.with_rod, mean_acceleration(before, end)),
-        arrow_product(of.inertia, kept.velocity),
-    )
-    elastic = elastic_energy(chain, kept.position)
+    by_films = coordinate_forces(chain, loads, skirt)
     on_pin = np.zeros(loads.wrench.shape[1])
     for e in range(EYE):
         for k in range(len(on_pin)):
@@ -373,11 +379,9 @@ def end_of_pin_step(
             end=end,
             kept=kept,
             auxiliary=carried,
-            ledger=energy_ledger(before, kept, end, momenta, all_forces, c.step * driven, elastic),
-            other_forces=other_forces(arrow_product(of.with_rod, end.acceleration), all_forces),
-            next_other_forces=other_forces(
-                arrow_product(of.with_rod, kept.acceleration), all_forces
-            ),
+            ledger=_ledger(of, before, kept, end, by_films, c.step * driven),
+            other_forces=other_forces(arrow_product(of.with_rod, end.acceleration), by_films),
+            next_other_forces=other_forces(arrow_product(of.with_rod, kept.acceleration), by_films),
             guided=guided.height,
             load=load,
             side_force=-skirt.lateral,

@@ -99,7 +99,7 @@ def forces_at(
         residual[m + i] = inertia.modal[i] - loads.modal[i]
     force = inertia.wrench.copy()
     total = np.zeros(3)
-    for e in range(len(loads.on_shapes)):
+    for e in range(len(loads.on_shapes) if loads.on_shapes.shape[1] > 0 else 0):
         total[TURN] += moment_of_shapes(chain.elements, loads, now, m, e)
     for b in range(len(force)):
         x, y = at.position[b, X], at.position[b, Y]

@@ -81,21 +81,22 @@ def loads_at(chain: Chain, held: HeldForces, at: ChainMotion, now: Motion) -> Lo
             moment += held.slopes[slope] * now.position[j]
             slope += 1
         # Eq. (D65)
-        dx, dy = _to_point(elements, at, now, e)
+        first = elements.play[e]
+        dx, dy = 0.0, 0.0
+        if first >= 0:
+            dx, dy = -now.position[first], -now.position[first + 1]
+        elif elements.at_point[e] == 0.0:
+            dx, dy = _to_point(elements, at, e)
         wrench[e, X], wrench[e, Y] = x, y
-        bent = moment_of_shapes(elements, out, now, m, e)
-        wrench[e, MOMENT], wrench[e, REACTION] = moment + dx * y - dy * x - bent, -moment
+        wrench[e, MOMENT], wrench[e, REACTION] = moment + dx * y - dy * x, -moment
+        if elements.shapes[e] > 0:
+            wrench[e, MOMENT] -= moment_of_shapes(elements, out, now, m, e)
     return out
 
 
 @compilable
-def _to_point(elements, at, now, e):
-    """Return the vector from the centre of the moment of element e to its point [m]."""
-    if elements.at_point[e] != 0.0:
-        return 0.0, 0.0
-    first = elements.play[e]
-    if first >= 0:
-        return -now.position[first], -now.position[first + 1]
+def _to_point(elements, at, e):
+    """Return the vector from the marker of element e to its point, in the block's axes [m]."""
     body = elements.acts[e]
     c, s = at.axes[body, 0], at.axes[body, 1]
     mx, my = elements.marker[e, X], elements.marker[e, Y]
