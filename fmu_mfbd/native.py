@@ -407,9 +407,9 @@ def publish(real, integer, given, model, result):
     put_stacked(real, outputs.modal_velocity, now.kept.velocity[first:last])
     chain = model.parts.chain
     if has_pins(model):
-        eye = shell_modes_of(chain, now.end.position, EYE)
+        eye = shell_modes_of(chain.elements, now.end.position, EYE)
         put_stacked(real, outputs.small_end_modal_coordinate, eye)
-        eye = shell_modes_of(chain, now.kept.velocity, EYE)
+        eye = shell_modes_of(chain.elements, now.kept.velocity, EYE)
         put_stacked(real, outputs.small_end_modal_velocity, eye)
     real[outputs.cylinder_pressure] = result.others.wall.chamber
     real[outputs.side_force_demand] = result.side_force_demand

@@ -367,8 +367,12 @@ class PistonInBore:
             outputs["modal_velocity"] = now.kept.velocity[first:last].copy()
         if self.pins and self.chain.elements.modes[EYE]:
             position, velocity = now.end.position, now.kept.velocity
-            outputs["small_end_modal_coordinate"] = shell_modes_of(self.chain, position, EYE).copy()
-            outputs["small_end_modal_velocity"] = shell_modes_of(self.chain, velocity, EYE).copy()
+            outputs["small_end_modal_coordinate"] = shell_modes_of(
+                self.chain.elements, position, EYE
+            ).copy()
+            outputs["small_end_modal_velocity"] = shell_modes_of(
+                self.chain.elements, velocity, EYE
+            ).copy()
         of_pin = instant.scalars._asdict() if self.pins else {}
         return outputs | {k: v for k, v in of_pin.items() if not k.startswith(self.absent)}
 

@@ -29,7 +29,7 @@ from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import pin_surface_at, pins_of
 from ..mechanism.chain import Chain, Loads
 from ..mechanism.cylinder import EYE
-from ..mechanism.loads import MOMENT, REACTION, HeldForces
+from ..mechanism.loads import MOMENT, REACTION, HeldForces, no_forces
 from ..mechanism.motion import ChainChange, ChainMotion
 from .floating_frame import TURN, Arrow, X, Y
 from .generalised_alpha import Motion
@@ -95,19 +95,9 @@ def held_forces(of: PinSystem, load: Load, forces: PinForces) -> HeldForces:
     forces : PinForces
         Of all films of pin and crank, stacked [N].
     """
-    elements = of.chain.elements
+    elements, m = of.chain.elements, of.chain.joints.tip.shape[1]
     n = len(elements.acts)
-    slopes, shapes = 0, 0
-    for e in range(n):
-        slopes += elements.modes[e]
-        shapes = max(shapes, elements.shapes[e])
-    out = HeldForces(
-        np.zeros((n, 2)),
-        np.zeros(n),
-        np.zeros(len(of.chain.bodies.stiffness)),
-        np.empty(slopes),
-        np.zeros((n, shapes, 2)),
-    )
+    out = no_forces(of.chain)
     for k in range(len(load.modal)):
         out.modal[k] = load.modal[k]
     cell, slope = 0, 0
@@ -124,7 +114,7 @@ def held_forces(of: PinSystem, load: Load, forces: PinForces) -> HeldForces:
                 out.on_shapes[e, k, way] = found.on_shapes[k, way]
         by_slope, push = slope_push(surface, own.pressure), modal_push(surface, own)
         for k in range(len(push)):
-            out.modal[elements.mode[e] + k] += push[k]
+            out.modal[elements.mode[e] - m + k] += push[k]
             out.slopes[slope + k] = by_slope[k]
         slope += len(push)
     skirt = n - 2
@@ -137,8 +127,8 @@ def held_forces(of: PinSystem, load: Load, forces: PinForces) -> HeldForces:
 @compilable
 def _work_error(of, surface, forces, shell, loads, end, e):
     """Return the relative power error of a film, on the grid (Eq. (G4)) and in coordinates [-]."""
-    modal = shell_modes_of(of.chain, end.position, e)
-    modal_velocity = shell_modes_of(of.chain, end.velocity, e)
+    modal = shell_modes_of(of.chain.elements, end.position, e)
+    modal_velocity = shell_modes_of(of.chain.elements, end.velocity, e)
     place = in_axes(shell.axes, shell.place)
     on_grid = power_on_grid(
         surface,
@@ -211,10 +201,12 @@ def pin_films(
     first = 0
     for e in range(len(errors)):
         surface = pin_surface_at(of.surfaces, e)
-        shell = shell_of(of.chain, at, end, e)
+        shell = shell_of(of.chain.elements, at, end, e)
         own = on_film(surface, forces, first)
         last = first + len(own.pressure)
-        stack(gaps, first, gap_of(surface, shell, shell_modes_of(of.chain, end.position, e)))
+        stack(
+            gaps, first, gap_of(surface, shell, shell_modes_of(of.chain.elements, end.position, e))
+        )
         for cell in range(first, last):
             around[cell] = surface.radius * shell.turning  # Eq. (H7)
         errors[e] = _work_error(of, surface, own, shell, loads, end, e)
@@ -244,17 +236,17 @@ def pin_changes(
     first = 0
     for e in range(pins_of(of.surfaces)):
         surface = pin_surface_at(of.surfaces, e)
-        shell = shell_of(of.chain, at, end, e)
-        by_motion = shell_change(of.chain, moved, bodies, e)
+        shell = shell_of(of.chain.elements, at, end, e)
+        by_motion = shell_change(of.chain.elements, moved, bodies, e)
         aside = across(shell.place)
         turn = by_motion.turn
         way = in_axes(
             shell.axes,
             pair(by_motion.place[0] - turn * aside[0], by_motion.place[1] - turn * aside[1]),
         )
-        more = shapes_of(of.chain, moved.position, e)
+        more = shapes_of(of.chain.elements, moved.position, e)
         gap = opening_of(surface, way, turned_back(shell, shell.bent.position, more, turn))
-        opened = yielded(surface, shell_modes_of(of.chain, moved.position, e))
+        opened = yielded(surface, shell_modes_of(of.chain.elements, moved.position, e))
         around, along = gap.shape
         for i in range(around):
             for j in range(along):

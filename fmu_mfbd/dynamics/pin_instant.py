@@ -203,7 +203,9 @@ def _widened(of, position, e):
     """Return the changes of diameter of the shell of film e, 0 without this film."""
     if e < 0:
         return 0.0, 0.0
-    return diameters(yielded(pin_surface_at(of.surfaces, e), shell_modes_of(of.chain, position, e)))
+    return diameters(
+        yielded(pin_surface_at(of.surfaces, e), shell_modes_of(of.chain.elements, position, e))
+    )
 
 
 @compilable
@@ -212,7 +214,7 @@ def pin_scalars(of: PinSystem, now: Motion, loads: Loads) -> PinScalars:
     position, play = now.position, of.chain.joints.play
     tilt = np.zeros(2)
     sag = np.zeros(2)
-    bent = shapes_of(of.chain, position, EYE)
+    bent = shapes_of(of.chain.elements, position, EYE)
     for k in range(len(bent)):
         for way in range(2):
             tilt[way] += of.shapes.slope[k] * bent[k, way]

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.pin import ModeMotion, across, axes_of, in_axes, pair
-from ..mechanism.chain import Chain
+from ..mechanism.chain import Elements
 from ..mechanism.motion import ChainChange, ChainMotion
 from .floating_frame import TURN
 from .generalised_alpha import Motion
@@ -40,20 +40,20 @@ class Shell(NamedTuple):
 
 
 @compilable
-def shell_of(chain: Chain, at: ChainMotion, now: Motion, e: int) -> Shell:
+def shell_of(elements: Elements, at: ChainMotion, now: Motion, e: int) -> Shell:
     """Return the shell of film e of pin and crank."""
-    shell, journal = chain.elements.reacts[e], chain.elements.acts[e]
+    shell, journal = elements.reacts[e], elements.acts[e]
     axes, own_turning = axes_of(1.0, 0.0), 0.0
     if shell >= 0:
         axes, own_turning = axes_of(at.axes[shell, 0], at.axes[shell, 1]), at.velocity[shell, TURN]
-    play = chain.elements.play[e]
+    play = elements.play[e]
     return Shell(
         axes,
         play_at(play, now.position),
         play_at(play, now.velocity),
         own_turning,
         at.velocity[journal, TURN] - own_turning,
-        ModeMotion(shapes_of(chain, now.position, e), shapes_of(chain, now.velocity, e)),
+        ModeMotion(shapes_of(elements, now.position, e), shapes_of(elements, now.velocity, e)),
     )
 
 
@@ -66,10 +66,10 @@ def play_at(first: int, coordinates: np.ndarray) -> np.ndarray:
 
 
 @compilable
-def shapes_of(chain: Chain, coordinates: np.ndarray, e: int) -> np.ndarray:
+def shapes_of(elements: Elements, coordinates: np.ndarray, e: int) -> np.ndarray:
     """Return the coordinates of the shapes of the pin in film e, (n, 2)."""
-    n = chain.elements.shapes[e]
-    first = chain.joints.tip.shape[1] + chain.elements.shape[e]
+    n = elements.shapes[e]
+    first = elements.shape[e]
     out = np.empty((n, 2))
     for k in range(n):
         out[k, 0] = coordinates[first + k]
@@ -78,10 +78,9 @@ def shapes_of(chain: Chain, coordinates: np.ndarray, e: int) -> np.ndarray:
 
 
 @compilable
-def shell_modes_of(chain: Chain, coordinates: np.ndarray, e: int) -> np.ndarray:
+def shell_modes_of(elements: Elements, coordinates: np.ndarray, e: int) -> np.ndarray:
     """Return the modal coordinates of the shell of film e."""
-    first = chain.joints.tip.shape[1] + chain.elements.mode[e]
-    return coordinates[first : first + chain.elements.modes[e]]
+    return coordinates[elements.mode[e] : elements.mode[e] + elements.modes[e]]
 
 
 @compilable
@@ -129,11 +128,11 @@ class ShellChange(NamedTuple):
 
 
 @compilable
-def shell_change(chain: Chain, moved: Motion, bodies: ChainChange, e: int) -> ShellChange:
+def shell_change(elements: Elements, moved: Motion, bodies: ChainChange, e: int) -> ShellChange:
     """Return the change of the shell of film e with a change of all coordinates and bodies."""
-    shell = chain.elements.reacts[e]
-    turn, turning = 0.0, bodies.velocity[chain.elements.acts[e], TURN]
+    shell = elements.reacts[e]
+    turn, turning = 0.0, bodies.velocity[elements.acts[e], TURN]
     if shell >= 0:
         turn = bodies.position[shell, TURN]
         turning -= bodies.velocity[shell, TURN]
-    return ShellChange(play_at(chain.elements.play[e], moved.position), turn, turning)
+    return ShellChange(play_at(elements.play[e], moved.position), turn, turning)

@@ -109,7 +109,7 @@ class Elements(NamedTuple):
     acts, reacts, carrier, axes : ndarray, shape (e,)
         Numbers of bodies.
     play, mode, modes, shape, shapes : ndarray, shape (e,)
-        First numbers of coordinates and modes, and how many.
+        First coordinates, and how many.
     marker, point : ndarray, shape (e, 2)
         [m]
     at_point : ndarray, shape (e,)
@@ -241,10 +241,10 @@ class Element(NamedTuple):
     play : int
         First of two coordinates, the position of the marker from the point, or `NONE`.
     mode, modes : int
-        First mode that changes the moments (`Loads.slopes`), and the number of these modes.
+        First coordinate of the modes that change the moments (`Loads.slopes`), and their number.
     shape, shapes : int
-        First mode of the bending shapes of `acts` along x, and their number. Those along y follow.
-        Both are displacements in the block's axes.
+        First coordinate of the bending shapes of `acts` along x, and their number. Those along y
+        follow. Both are displacements in the block's axes.
     at_point : bool
         Whether the moment of the force is about the point instead of the marker.
     """

@@ -23,8 +23,9 @@ from ..dynamics.modal_damping import ModalSprings
 from ..dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from ..dynamics.slider_crank import CrankMotion, Mechanism
 from ..geometry.pin import PIN_SURFACES
-from .chain import BLOCK, NONE, Bodies, Chain, Elements, Joints, Loads
+from .chain import BLOCK, NONE, Bodies, Chain, Elements, Joints
 from .equations import chain_forces, chain_tangent
+from .loads import no_loads
 from .motion import Increments
 
 EYE = PIN_SURFACES.index("small_end")
@@ -215,13 +216,14 @@ def _elements_of(c, joints):
         point=np.zeros((n, 2)),
         at_point=np.zeros(n),
     )
-    k = len(c.piston.stiffness)
-    eye = k + 2 * c.shapes
-    main = k + len(c.springs.stiffness) - c.main_bearing_modes
+    first, k = joints.tip.shape[1], len(c.piston.stiffness)
+    bent = first + k
+    eye = bent + 2 * c.shapes
+    main = bent + len(c.springs.stiffness) - c.main_bearing_modes
     big_end = main - c.big_end_modes
     for e in range(films):
         if e < EYE:
-            _put_film(out, e, BODY.pin, BODY.piston, joints.play[BODY.piston], 0, k)
+            _put_film(out, e, BODY.pin, BODY.piston, joints.play[BODY.piston], first, k)
         elif e == EYE:
             _put_film(out, e, BODY.pin, BODY.rod, joints.play[BODY.pin], eye, big_end - eye)
             out.point[e, Y] = c.mechanism.rod_length
@@ -233,7 +235,7 @@ def _elements_of(c, joints):
                 out, e, BODY.crank, BLOCK, joints.play[BODY.crank], main, c.main_bearing_modes
             )
         if e <= EYE:
-            out.shape[e], out.shapes[e] = k, c.shapes
+            out.shape[e], out.shapes[e] = bent, c.shapes
     out.carrier[films] = BODY.piston
     out.point[films + 1, X], out.at_point[films + 1] = c.mechanism.offset, 1.0
     return out
@@ -326,16 +328,3 @@ def motion_across(c: Cylinder, of_rod: float) -> Arrow:
     forces = chain_forces(chain, loads, still, CrankMotion(0.0, 0.0, 0.0), FIXED)
     by = Increments(none, none, np.ones(m + k))
     return chain_tangent(chain, loads, still, forces, by)  # Eqs. (D22), (D35)
-
-
-@compilable
-def no_loads(chain: Chain) -> Loads:
-    """Return loads of zero."""
-    n = len(chain.elements.acts)
-    slopes = 0
-    shapes = 0
-    for e in range(n):
-        slopes += chain.elements.modes[e]
-        shapes = max(shapes, chain.elements.shapes[e])
-    modal = np.zeros(len(chain.bodies.stiffness))
-    return Loads(np.zeros((n, 4)), modal, np.zeros(slopes), np.zeros((n, shapes, 2)))

@@ -100,7 +100,7 @@ def forces_at(
     force = inertia.wrench.copy()
     total = np.zeros(3)
     for e in range(len(loads.on_shapes) if loads.on_shapes.shape[1] > 0 else 0):
-        total[TURN] += moment_of_shapes(chain.elements, loads, now, m, e)
+        total[TURN] += moment_of_shapes(chain.elements, loads, now, e)
     for b in range(len(force)):
         x, y = at.position[b, X], at.position[b, Y]
         total[X] += force[b, X]
@@ -169,12 +169,12 @@ def _subtract_loads(elements, wrench, at, force):
 
 
 @compilable
-def moment_of_shapes(elements: Elements, loads: Loads, now: Motion, m: int, e: int) -> float:
+def moment_of_shapes(elements: Elements, loads: Loads, now: Motion, e: int) -> float:
     """Return the sum of s x Q over the shapes of element e [N m]."""
     total = 0.0
     n = elements.shapes[e]
     for i in range(n):
-        j = m + elements.shape[e] + i
+        j = elements.shape[e] + i
         force = loads.on_shapes[e, i]
         total += now.position[j] * force[Y] - now.position[j + n] * force[X]
     return total
@@ -394,7 +394,7 @@ def _subtract_modal_changes(chain, loads, now, by, d, changes, total):
     slope = 0
     for e in range(len(elements.acts)):
         body, other, axes = elements.acts[e], elements.reacts[e], elements.axes[e]
-        for j in range(m + elements.mode[e], m + elements.mode[e] + elements.modes[e]):
+        for j in range(elements.mode[e], elements.mode[e] + elements.modes[e]):
             moment = loads.slopes[slope] * by.position[j]
             change[body, TURN, j] -= moment
             if other >= 0:
@@ -404,9 +404,10 @@ def _subtract_modal_changes(chain, loads, now, by, d, changes, total):
         if n == 0:
             continue
         row = np.zeros(change.shape[2])
-        for k in range(elements.shape[e], elements.shape[e] + n):
-            x, y = m + k, m + k + n
-            force = loads.on_shapes[e, k - elements.shape[e]]
+        for k in range(n):
+            x = elements.shape[e] + k
+            y = x + n
+            force = loads.on_shapes[e, k]
             fx, fy = force[X], force[Y]
             # s x Q
             row[x] += by.position[x] * fy
@@ -416,8 +417,8 @@ def _subtract_modal_changes(chain, loads, now, by, d, changes, total):
                 for j in range(m):
                     t = d.position[axes, TURN, j]
                     row[j] += outward * t
-                    left[k, j] += fy * t
-                    left[k + n, j] -= fx * t
+                    left[x - m, j] += fy * t
+                    left[y - m, j] -= fx * t
         for j in range(len(row)):
             change[body, TURN, j] += row[j]
             total[TURN, j] += row[j]

@@ -40,6 +40,26 @@ class HeldForces(NamedTuple):
 
 
 @compilable
+def no_forces(chain: Chain) -> HeldForces:
+    """Return forces of zero."""
+    n = len(chain.elements.acts)
+    slopes, shapes = 0, 0
+    for e in range(n):
+        slopes += chain.elements.modes[e]
+        shapes = max(shapes, chain.elements.shapes[e])
+    modal = np.zeros(len(chain.bodies.stiffness))
+    on_shapes = np.zeros((n, shapes, 2))
+    return HeldForces(np.zeros((n, 2)), np.zeros(n), modal, np.zeros(slopes), on_shapes)
+
+
+@compilable
+def no_loads(chain: Chain) -> Loads:
+    """Return loads of zero."""
+    none = no_forces(chain)
+    return Loads(np.zeros((len(none.moment), 4)), none.modal, none.slopes, none.on_shapes)
+
+
+@compilable
 def loads_at(chain: Chain, held: HeldForces, at: ChainMotion, now: Motion) -> Loads:
     """Return the loads in a motion, linear in the forces.
 
@@ -75,9 +95,10 @@ def loads_at(chain: Chain, held: HeldForces, at: ChainMotion, now: Motion) -> Lo
             fx, fy = held.on_shapes[e, k, X], held.on_shapes[e, k, Y]
             on_shapes[e, k, X], on_shapes[e, k, Y] = c * fx - s * fy, s * fx + c * fy
             for way in range(2):
-                out.modal[elements.shape[e] + way * elements.shapes[e] + k] += on_shapes[e, k, way]
+                j = elements.shape[e] + way * elements.shapes[e] + k
+                out.modal[j - m] += on_shapes[e, k, way]
         moment = held.moment[e]
-        for j in range(m + elements.mode[e], m + elements.mode[e] + elements.modes[e]):
+        for j in range(elements.mode[e], elements.mode[e] + elements.modes[e]):
             moment += held.slopes[slope] * now.position[j]
             slope += 1
         # Eq. (D65)
@@ -90,7 +111,7 @@ def loads_at(chain: Chain, held: HeldForces, at: ChainMotion, now: Motion) -> Lo
         wrench[e, X], wrench[e, Y] = x, y
         wrench[e, MOMENT], wrench[e, REACTION] = moment + dx * y - dy * x, -moment
         if elements.shapes[e] > 0:
-            wrench[e, MOMENT] -= moment_of_shapes(elements, out, now, m, e)
+            wrench[e, MOMENT] -= moment_of_shapes(elements, out, now, e)
     return out
 
 

@@ -127,8 +127,8 @@ def engine(pistons, floating=False, crank_films=False, mounted=False, free=False
             Link(pin, at, (0.0, m.rod_length), eye, 1.0, spin),
             Link(piston, at + 1, (0.0, 0.0), boss, -1.0, x + 1),
         ]
-        first, modes = k * len(piston.stiffness), len(piston.stiffness)
-        bent = of_pistons + k * of_each
+        first, modes = size + k * len(piston.stiffness), len(piston.stiffness)
+        bent = size + of_pistons + k * of_each
         eye_modes = bent + 2 * shapes
         if floating:
             for _ in range(EYE):
@@ -138,7 +138,7 @@ def engine(pistons, floating=False, crank_films=False, mounted=False, free=False
         if crank_films:
             film(big_end, 0, at, (eye_modes + shells, shells), marker=pin_of_crank)
         if crank_films and piston is pistons[-1]:
-            film(journal, 0, BLOCK, (main, shells))
+            film(journal, 0, BLOCK, (size + main, shells))
         found.pistons.append(at + 2)
         found.skirts.append(len(elements))
         found.gas.append(len(elements) + 1)

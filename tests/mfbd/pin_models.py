@@ -248,7 +248,7 @@ def shells_of(model):
     """Return the shells of all films of pin and crank at the end of the last step."""
     last, chain = model._last, model.chain
     at = chain_motion(chain.joints, last.now, last.crank)
-    return [shell_of(chain, at, last.now, e) for e in range(len(model.pins))]
+    return [shell_of(chain.elements, at, last.now, e) for e in range(len(model.pins))]
 
 
 def rough_inputs(model, seed, size=50.0, speed=SPEED, gas=5e5):

@@ -65,7 +65,10 @@ def all_momentum(model, position, velocity, crank):
     mass = MAIN.crank_mass if in_main >= 0 else 0.0
     momentum = piston.mass * A_v + s_v + p.pin_mass * pin_v + p.rod_mass * rod_v
     momentum = momentum + mass * journal_v + thrown_v
-    bent, bent_v = shapes_of(chain, position, EYE), shapes_of(chain, velocity, EYE)
+    bent, bent_v = (
+        shapes_of(chain.elements, position, EYE),
+        shapes_of(chain.elements, velocity, EYE),
+    )
     shapes = sum(cross(*two) for two in zip(bent, bent_v))
     return np.array(
         [

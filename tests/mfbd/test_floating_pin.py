@@ -31,9 +31,10 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     turned,
     yielded,
 )
-from piston_cosim.fmu_mfbd.mechanism.cylinder import BODY, COORDINATES, PIN, no_loads
+from piston_cosim.fmu_mfbd.mechanism.cylinder import BODY, COORDINATES, PIN
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
 from piston_cosim.fmu_mfbd.mechanism.inertia import frame_state
+from piston_cosim.fmu_mfbd.mechanism.loads import no_loads
 
 from .chains import loads_of, matrix_of
 from .differences import products_by_differences, rough_change

@@ -10,14 +10,14 @@ from piston_cosim.fmu_mfbd.dynamics.floating_frame import mode_coupling
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.mechanism.chain import Element, Link, chain_of
-from piston_cosim.fmu_mfbd.mechanism.cylinder import Cylinder, cylinder_chain, no_loads
+from piston_cosim.fmu_mfbd.mechanism.cylinder import Cylinder, cylinder_chain
 from piston_cosim.fmu_mfbd.mechanism.equations import (
     block_motion,
     chain_forces,
     chain_tangent,
     forces_at,
 )
-from piston_cosim.fmu_mfbd.mechanism.loads import HeldForces, loads_at
+from piston_cosim.fmu_mfbd.mechanism.loads import HeldForces, loads_at, no_loads
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
 from piston_cosim.fmu_mfbd.mechanism.solution import (
     arrow_product,

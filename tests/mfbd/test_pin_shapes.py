@@ -259,7 +259,7 @@ def test_a_pin_on_soft_springs_bends_as_under_even_loads():
     assert out["pin_bending_y"] == pytest.approx(eye * sag_of_even_loads(PIN), rel=2.5e-2)
     assert abs(out["pin_tilt_y"]) < 1e-9
     # what the pin stores is half the work of its load, through the displacement of its rows
-    bent = shapes_of(model.chain, model._last.now.position, 0)
+    bent = shapes_of(model.chain.elements, model._last.now.position, 0)
     pairs = zip(springs.inputs(springs.forces).pins, model.pins, shells_of(model))
     rows = [-(shell.axes @ surface.outward @ one.pressure).T for one, surface, shell in pairs]
     ways = [surface.axis @ bent for surface in model.pins]

@@ -157,7 +157,7 @@ def test_the_account_holds_the_modes_of_an_eye():
         before = state.position
         state, out = model.advance(state, given, 1e-6)
         push = np.einsum("ij,ijk->k", pressed.pressure, small_end().outward)
-        ways = (shell_modes_of(model.chain, one, EYE) for one in (state.position, before))
+        ways = (shell_modes_of(model.chain.elements, one, EYE) for one in (state.position, before))
         work += push @ np.subtract(*ways)
     found = out["small_end_modal_velocity"]
     np.testing.assert_allclose(found, 3e-6 * push, rtol=6e-2)
