@@ -245,6 +245,7 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
             p.second_ring_height,
             p.land_pressure_share,
         ),
+        p.impact_resolution,
     )
     none = np.zeros(0)
     solid = p.pin_mass * pin_radius(fit.piston_radius, p) ** 2 / 2

@@ -114,6 +114,13 @@ class Scalars(NamedTuple):
         "Change of the film thickness on the skirt with piston_temperature and bore_temperature",
         1e-5,
     ]
+    longest_step: Annotated[
+        float,
+        "s",
+        "Longest step that resolves the motion across the bore; if it is shorter than the last "
+        "step, that step can be repeated in parts",
+        1e-3,
+    ]
 
 
 @compilable
@@ -219,4 +226,5 @@ def scalars_of(
         energy_size=energy.kinetic,
         power_size=per_second * energy.exchanged,
         thermal_opening=opening,
+        longest_step=now.longest_step,
     )

@@ -28,10 +28,16 @@ SUDDEN = 0.5
 from one to the next, and is left to the integrator.
 """
 
+GROWING = 0.25
+"""A step is repeated in parts from a smaller share on: a stop may build up over two steps."""
+
 KEPT = 0.5
 """Velocity that the remembered acceleration may be worth over one step, by the velocity left: a
 memory worth all of it turns the motion round.
 """
+
+UNLIMITED = 1e3
+"""Longest step of a motion that any step resolves [s]."""
 
 
 class Inertia(NamedTuple):
@@ -71,6 +77,73 @@ def inertia_product(inertia: Inertia, a: np.ndarray, b: np.ndarray) -> float:
     # Eq. (N6)
     rocking = inertia.inertia * a[1] * b[1] - inertia.moment * (a[0] * b[1] + a[1] * b[0])
     return inertia.mass * a[0] * b[0] + rocking
+
+
+@compiled
+def longest_step(
+    inertia: Inertia,
+    before: Motion,
+    end: Motion,
+    auxiliary: np.ndarray,
+    step: float,
+    resolution: float,
+) -> float:
+    """Return the longest step that resolves the motion, before `limit_memory` changes its end [s].
+
+    A result below h asks for a repetition of the step in parts: the force changes too much within
+    it. Otherwise it is the limit of the next step. In a longer one, the remembered acceleration
+    would turn the motion round.
+
+    Eq. (N12):  unresolved:  h |q''_1 - q''_0| > max(V, h |q''_0|/4, r/h),
+                             q'_0 . M q''_1 < 0  and  q'_0 . M (q_1 - q_0) > 0
+                then         V/|q''_1 - q''_0|,   V = max(|q'_0|, |q'_1|)/4
+                otherwise    max(h, |q'_1|/(2 A), sqrt(r/A)),   A = max(|q''_1|, |a_1|)
+                norms |q| by the inertia M (Eq. (N6)), r also, as displacement of A alone
+
+    Parameters
+    ----------
+    inertia : Inertia
+    before, end : Motion
+        At both ends of the step, x_A and the rocking angle first.
+    auxiliary : ndarray, shape (n,)
+        a_1, at its end.
+    step : float
+        h [s].
+    resolution : float
+        r, displacement in a step that is too small to be resolved [m].
+
+    Returns
+    -------
+    float
+        At most `UNLIMITED`.
+    """
+    if step == 0.0:
+        return UNLIMITED
+    jump = np.empty(RIGID)
+    way = np.empty(RIGID)
+    for k in range(RIGID):
+        jump[k] = end.acceleration[k] - before.acceleration[k]
+        way[k] = end.position[k] - before.position[k]
+    size = np.sqrt(inertia.mass) * resolution
+    left = inertia_product(inertia, end.velocity, end.velocity)
+    fast = IMPACT * np.sqrt(max(inertia_product(inertia, before.velocity, before.velocity), left))
+    steady = GROWING**2 * inertia_product(inertia, before.acceleration, before.acceleration)
+    change = np.sqrt(inertia_product(inertia, jump, jump))
+    if (
+        step * change > max(fast, step * np.sqrt(steady), size / step)
+        and inertia_product(inertia, before.velocity, end.acceleration) < 0.0
+        and inertia_product(inertia, before.velocity, way) > 0.0
+    ):
+        return fast / change  # Eq. (N12)
+    known = max(
+        inertia_product(inertia, end.acceleration, end.acceleration),
+        inertia_product(inertia, auxiliary, auxiliary),
+    )
+    if known == 0.0:
+        return UNLIMITED
+    remembered = np.sqrt(known)
+    longest = max(KEPT * np.sqrt(left) / remembered, np.sqrt(size / remembered))
+    return min(UNLIMITED, max(step, longest))  # Eq. (N12)
 
 
 @compiled

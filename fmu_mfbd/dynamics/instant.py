@@ -31,7 +31,7 @@ from .energy import (
 from .floating_frame import TURN, X, Y
 from .gas_on_bore import wall_forces
 from .generalised_alpha import Motion, Prediction, predict
-from .impact import Inertia, limit_memory
+from .impact import Inertia, limit_memory, longest_step
 from .piston_motion import RIGID, Load
 from .quasi_static import STILL, FrameAcceleration, follow, static_coordinates
 from .skirt_films import (
@@ -80,6 +80,8 @@ class Instant(NamedTuple):
         What that friction turns into heat [W].
     evaluations, tangents, change : int, int, float
         As of `mechanism.solution.ChainSolution`.
+    longest_step : float
+        Eq. (N12) [s].
     """
 
     end: Motion
@@ -101,6 +103,7 @@ class Instant(NamedTuple):
     evaluations: int
     tangents: int
     change: float
+    longest_step: float
 
 
 @compiled
@@ -151,6 +154,9 @@ def end_of_step(
         predicted.auxiliary[k] += c.to_auxiliary * end.acceleration[k]
     moving = _moving_bodies(system, 0.0)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
+    longest = longest_step(
+        moving.rigid, before, kept, predicted.auxiliary, c.step, system.resolution
+    )
     limit_memory(moving.rigid, before, kept, predicted.auxiliary, c.step)
 
     axial = AxialMotion(at.position[PISTON, Y], at.velocity[PISTON, Y])
@@ -187,6 +193,7 @@ def end_of_step(
         evaluations=own.evaluations,
         tangents=own.tangents,
         change=own.change,
+        longest_step=longest,
     )
     return instant, block_force(load, own.forces.on_block)
 

@@ -230,6 +230,14 @@ class Parameters:
     spectral_radius: float = _declared(
         "1", "Spectral radius of the time integrator at infinite frequency", 0.6, 0.0, 1.0
     )
+    impact_resolution: float = _declared(
+        "m",
+        "Displacement within a step from which an impact is resolved by shorter steps; of the size "
+        "of the tolerance of film_thickness",
+        10e-9,
+        0.0,
+        1.0,
+    )
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from .carrier import Carrier
 from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
 from .floating_frame import TURN, X, Y
 from .generalised_alpha import Motion, Prediction
-from .impact import limit_memory
+from .impact import limit_memory, longest_step
 from .instant import Instant, load_of, rigid_piston, with_gas
 from .pin_films import PinSystem, held_forces, pin_films
 from .pin_shells import play_at, shapes_of, shell_modes_of
@@ -354,7 +354,9 @@ def end_of_pin_step(
     end, loads, at = found.end, found.loads, found.forces.motion
     carried = auxiliary_after(c, predicted, before, end, of.by_bdf2)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
-    limit_memory(rigid_piston(system, 0.0), before, kept, carried, c.step)
+    piston = rigid_piston(system, 0.0)
+    longest = longest_step(piston, before, kept, carried, c.step, system.resolution)
+    limit_memory(piston, before, kept, carried, c.step)
     limit_plays(chain.joints.play, before, kept, carried, c.step)
 
     axial = AxialMotion(at.position[BODY.piston, Y], at.velocity[BODY.piston, Y])
@@ -397,6 +399,7 @@ def end_of_pin_step(
             evaluations=found.evaluations,
             tangents=found.evaluations,
             change=found.change,
+            longest_step=longest,
         ),
         on_pins.film_thickness,
         on_pins.circumferential_velocity,

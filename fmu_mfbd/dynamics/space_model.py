@@ -14,7 +14,7 @@ from ..geometry.space import Levers, levers, slope_around
 from .carrier import FIXED
 from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
 from .generalised_alpha import Coefficients, Motion, predict
-from .impact import Inertia, limit_memory
+from .impact import UNLIMITED, Inertia, limit_memory, longest_step
 from .instant import Instant, load_of
 from .model import Inputs, PistonInBore
 from .motion_in_space import (
@@ -158,7 +158,7 @@ class PistonInSpace(PistonInBore):
         end = solved.end
         carried = predict(c, before, auxiliary).auxiliary + c.to_auxiliary * end.acceleration
         kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
-        self._limit(before, kept, carried, c.step)
+        longest = self._limit(before, kept, carried, c.step)
 
         now = height(system.mechanism, end.position[LATERAL], crank.angle)
         axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
@@ -195,6 +195,7 @@ class PistonInSpace(PistonInBore):
             evaluations=solved.evaluations,
             tangents=solved.tangents,
             change=solved.change,
+            longest_step=longest,
         )
         unbalance = self.model.settings.crank_unbalance
         on_block, self._across = block_force(self.bodies, load, unbalance, end, crank, lack)
@@ -294,8 +295,10 @@ class PistonInSpace(PistonInBore):
             acceleration = acceleration - step
         return SpaceSolution(load, end, lack, 0, tangents, change)
 
-    def _limit(self, before: Motion, kept: Motion, carried: np.ndarray, step: float) -> None:
+    def _limit(self, before: Motion, kept: Motion, carried: np.ndarray, step: float) -> float:
         """Bound what an impact step passes on (Eq. (N7)), in the plane and across it separately.
+
+        Return the longest step of both (Eq. (N12)) [s].
 
         z and roll correspond to x_A and the rocking angle, and the first moment has the other sign.
         No film stops yaw.
@@ -304,12 +307,16 @@ class PistonInSpace(PistonInBore):
         mass = body.mass + self.system.mechanism.pin_mass
         in_plane = Inertia(mass, body.S[1], body.J[2, 2])
         across = Inertia(mass, -body.S[1], body.J[0, 0])
+        longest = UNLIMITED
         for rigid, pair in ((in_plane, slice(0, RIGID)), (across, slice(SHIFT, YAW))):
             begun, ended = (
                 Motion(one.position[pair], one.velocity[pair], one.acceleration[pair])
                 for one in (before, kept)
             )
+            own = longest_step(rigid, begun, ended, carried[pair], step, self.system.resolution)
+            longest = min(longest, own)
             limit_memory(rigid, begun, ended, carried[pair], step)
+        return longest
 
     def _outputs(self, result: StepResult) -> dict[str, Any]:
         """Return the outputs of a piston in its plane, and those across it."""

@@ -20,8 +20,9 @@ class BodySystem(NamedTuple):
 
     Of each body, the modes that move and, after them, those that follow statically. gas_force (k +
     s,) is the modal force of a unit gas force on the crown [kg^-1/2], pin_offset x of A from the
-    skirt's axis [m]. All film surfaces are one block (`geometry.surfaces`). Fields of all of them
-    are stacked: the cells of the first, (c, a) in C order, then those of the second.
+    skirt's axis [m], resolution that of impacts (Eq. (N12)) [m]. All film surfaces are one block
+    (`geometry.surfaces`). Fields of all of them are stacked: the cells of the first, (c, a) in C
+    order, then those of the second.
     """
 
     piston: FlexibleBody
@@ -34,6 +35,7 @@ class BodySystem(NamedTuple):
     pin_offset: float
     gas_force: Vector
     wall: BoreWall
+    resolution: float
 
 
 class RingForce(NamedTuple):

@@ -107,6 +107,7 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
         "order": list(system.order),
         "step": system.step,
         "wires": [asdict(c) for c in system.wires],
+        "limits": system.limits,
         "coupling": case.coupling.model_dump(),
         "variables": [asdict(variable) for variable, _ in exposed],
         **{

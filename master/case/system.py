@@ -19,7 +19,7 @@ from .ahead import (
     declared_wires,
     faults_ahead,
 )
-from .contract import contract, starting_order, unable_to_iterate
+from .contract import contract, limits_of, starting_order, unable_to_iterate
 from .given import build_options, masks
 from .inputs import check_fixed, interpolating, slopes, with_one_way
 from .machine_code import native_choice
@@ -134,6 +134,7 @@ def open_system(
         tuple(wire for wire in handed if wire.target in of_clocks),
         record_interval(case, angular_speed(case, parameters)),
         frozenset(name for name, table in case.participants.items() if table.rollback),
+        limits_of(case, participants),
     )
 
 

@@ -155,7 +155,7 @@ class Iteration:
             starting=np.zeros(0),
             participants=np.array([np.array(row, float) for row in rows]),
             wires=np.array([np.array(self._wire(k), float) for k in range(wires)]),
-            exposed=ExposedVariables(*np.zeros((3, 0, 0))),
+            exposed=ExposedVariables(*np.zeros((len(ExposedVariables._fields), 0, 0))),
             contents=np.zeros(0),
         )
         lengths, unsaved = lengths_of(given, end, 0)

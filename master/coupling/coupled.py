@@ -44,6 +44,7 @@ class Options:
     coupling     : the case's table, see `case.schema.Coupling`
     variables    : the table seen from outside
     parameter, input, output : (participant, variable) inside by the name outside
+    limits       : those of the system
     """
 
     name: str
@@ -57,6 +58,7 @@ class Options:
     parameter: dict[str, Port]
     input: dict[str, Port]
     output: dict[str, Port]
+    limits: tuple[Port, ...]
 
     @staticmethod
     def read(tree: Mapping[str, Any]) -> "Options":
@@ -76,6 +78,7 @@ class Options:
                 for entry in tree["variables"]
             ),
             *(_read_ports(tree[causality]) for causality in ("parameter", "input", "output")),
+            tuple((owner, name) for owner, name in tree["limits"]),
         )
 
 
@@ -173,6 +176,7 @@ class Coupled(FieldSlave):
             np.inf,
             options.step,
             parallel=coupling.parallel,
+            limits=options.limits,
         )
         start(self.system)
         self.stepper = Stepper(

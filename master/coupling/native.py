@@ -48,7 +48,8 @@ from .native_system import (
     system_of,
     wire_of,
 )
-from .vector import MOST_STEPS, extrapolate, macro_step_end, moved
+from .stepping import REPETITIONS
+from .vector import MOST_STEPS, extrapolate, is_longer, macro_step_end, moved
 
 AT_REAL, AT_INTEGER, AT_MEMORY, AT_MEMORIES = map(
     ParticipantRow._fields.index, ("real", "integer", "memory", "memories")
@@ -112,13 +113,29 @@ def forget_past(state: CoupledState):
 
 
 @compiled
+def longest_step(system: System, limits: np.ndarray):
+    """Return the longest step that resolves the motion, as `Stepper._longest_step` [s]."""
+    longest = np.inf
+    for k in range(len(limits)):
+        one = exposed_from(limits[k])
+        longest = min(longest, real_of(system, one.owner)[one.own_place])
+    return longest
+
+
+@compiled
 def macro_step(memory: np.ndarray, time: float, step: float):
-    """Take a macro step or halves of it, as `Stepper._step`; return False and note why if none."""
+    """Take a macro step or parts of it, as `Stepper._step`; return False and note why if none."""
     system = system_of(memory)
     state = state_of(memory)
     halvings = rules_of(memory).halvings
+    limits = given_of(memory).exposed.limits
+    most = min(REPETITIONS, halvings)
+    longest = longest_step(system, limits)
     depth = done = 0  # halvings, and parts of this length that are done
     while done < 1 << depth:
+        while depth < most and is_longer(step / (1 << depth), longest):
+            done *= 2
+            depth += 1
         length = step / (1 << depth)
         begin = time + done * length
         save(system)
@@ -127,6 +144,10 @@ def macro_step(memory: np.ndarray, time: float, step: float):
         x = extrapolate(state.times[:known], state.past[:known], begin + length)
         x = moved(system.layout, last, x - last)
         if find(memory, x, begin, length, np.zeros(0)):
+            longest = longest_step(system, limits)
+            if depth < most and is_longer(length, longest):
+                restore(system)
+                continue
             accept(state, begin + length, x)
             done += 1
             while depth > 0 and done % 2 == 0:

@@ -141,11 +141,12 @@ ExposedRows = Annotated[Array, "n, m", "are_exposed(x, participants, reals, inte
 
 
 class ExposedVariables(NamedTuple):
-    """Rows of the variables of the coupled FMU."""
+    """Rows of the variables of the coupled FMU; limits : outputs as of `wiring.System`."""
 
     parameters: ExposedRows
     inputs: ExposedRows
     outputs: ExposedRows
+    limits: ExposedRows
 
 
 class CoupledSetup(NamedTuple):

@@ -96,7 +96,9 @@ def coupled_inside(
         _wire(k, wire, insides, end - prod(wire.shape), end - 1 in layout.unknowns)
         for k, (wire, end) in enumerate(zip(options.wires, layout.ends))
     ]
-    causalities = ("parameter", "input", "output")
+    exposed = {one: _exposed(slave, insides, one) for one in ("parameter", "input", "output")}
+    ports = [options.output[v.name] for v in slave.table if v.causality == "output"]
+    limits = [row for row, port in zip(exposed["output"], ports) if port in options.limits]
     given = CoupledSetup(
         Rules(*(known[name] for name in Rules._fields)),
         layout,
@@ -106,7 +108,7 @@ def coupled_inside(
         starting=np.array([names.index(name) for name in options.participants], float),
         participants=_matrix(rows),
         wires=_matrix(wires),
-        exposed=ExposedVariables(*(_matrix(_exposed(slave, insides, one)) for one in causalities)),
+        exposed=ExposedVariables(*map(_matrix, (*exposed.values(), limits))),
         contents=np.concatenate([_contents(one) for one in insides.values()]),
     )
     lengths, unsaved = lengths_of(given, rows[-1].memory + rows[-1].memories, len(slave.real))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from time import perf_counter
 from typing import Any
 
@@ -15,10 +16,13 @@ from .methods import MacroStep, Method, NotConverged, Solution
 from .methods.explicit import Explicit
 from .settling import solve_settled
 from .step_control import StepControl
-from .vector import extrapolate, lagrange, moved
+from .vector import extrapolate, is_longer, lagrange, moved
 from .wiring import HeldWire, System
 
 Judge = Callable[[float, Solution], None]
+
+REPETITIONS = 5
+"""Largest number of halvings of a macro step that does not resolve the motion."""
 
 
 class StepFailed(Stopped):
@@ -31,6 +35,10 @@ class EnergyCreated(RuntimeError):
     """A macro step that converged but created spurious energy (`ledger`)."""
 
 
+class Unresolved(RuntimeError):
+    """A macro step that converged but is too long for the motion of a participant."""
+
+
 @dataclass
 class Counters:
     """Effort of the run.
@@ -40,6 +48,7 @@ class Counters:
 
     steps: int = 0
     halved_steps: int = 0
+    repeated_steps: int = 0
     rejected_steps: int = 0
     iterations: list[int] = field(default_factory=list[int])
     residual_evaluations: int = 0
@@ -167,6 +176,8 @@ class Stepper:
             halvings or control or self.events
         )
         self._was_not_finite = False
+        redone = all(getattr(one, "can_redo", True) for one in system.participants.values())
+        self.limits = system.limits if redone and not isinstance(self.method, Explicit) else ()
         self.predictor = Predictor(order)
         self.predictor.keep(begin, self.interface.read())
 
@@ -208,26 +219,49 @@ class Stepper:
         raise EndlessEvents(f"t = {time:.6g} s: {LARGEST_ITERATION} clock ticks in a macro step")
 
     def _step(self, time: float, step: float, halvings: int) -> float:
-        """Take a macro step, or halves of it; return the time reached [s].
+        """Take a macro step, or parts of it; return the time reached [s].
 
-        A tick of a clock ends the step before time + step.
+        A part has the length of the macro step, halved `depth` times. It is halved again if it
+        fails, or if it is too long for the motion of a participant. A tick of a clock ends the step
+        before time + step.
         """
-        saved = self._save()
-        try:
-            solution = self._converge(time, step, saved)
-            self.judge(time + step, solution)
-            self._accept(time, step, solution)
-        except Ticked as tick:
-            self._roll_back(time, step, saved, tick)
-            return self._step(time, tick.time - time, halvings)
-        except (NotConverged, Discard, EnergyCreated) as failure:
-            self._give_up(time, step, saved, failure, halvings > 0)
-            half = self._between_ticks if self.events else self._step
-            half(time, step / 2, halvings - 1)
-            half(time + step / 2, step / 2, halvings - 1)
-        finally:
-            self._free(saved)
+        most = min(REPETITIONS, halvings) if self.limits else 0
+        longest = self._longest_step() if most else inf
+        depth = done = 0  # halvings, and parts of this length that are done
+        while done < 1 << depth:
+            while depth < most and is_longer(step / (1 << depth), longest):
+                done, depth = 2 * done, depth + 1
+            length = step / (1 << depth)
+            begin = time + done * length
+            saved = self._save()
+            try:
+                solution = self._converge(begin, length, saved)
+                longest = self._longest_step() if most else inf
+                if depth < most and is_longer(length, longest):
+                    raise Unresolved(f"the motion needs steps of {longest:.3g} s")
+                self.judge(begin + length, solution)
+                self._accept(begin, length, solution)
+            except Ticked as tick:
+                self._roll_back(begin, length, saved, tick)
+                return self._step(begin, tick.time - begin, halvings - depth)
+            except Unresolved as reason:
+                self._roll_back(begin, length, saved, reason)
+                self.counters.repeated_steps += 1
+            except (NotConverged, Discard, EnergyCreated) as failure:
+                self._give_up(begin, length, saved, failure, depth < halvings)
+                done, depth = 2 * done, depth + 1
+            else:
+                done += 1
+                while depth > 0 and done % 2 == 0:
+                    done, depth = done // 2, depth - 1
+            finally:
+                self._free(saved)
         return time + step
+
+    def _longest_step(self) -> float:
+        """Return the longest step that resolves the motion of all participants [s]."""
+        values = (float(self.interface.participants[p].get(v)) for p, v in self.limits)
+        return min(values)
 
     def _controlled(self, control: StepControl, time: float, step: float) -> None:
         """Take the macro steps of step control, each to the next tick at most."""

@@ -13,6 +13,8 @@ Positions = NDArray[np.int64]
 
 MOST_STEPS = 1e6
 """Largest number of macro steps in a communication step: 1400 cycles of the shipped cases."""
+EQUAL = 1e-3
+"""Relative difference of steps that is ignored; clocks that count whole nanoseconds have 1e-5."""
 TOO_LONG = "step size = {a} s: more than {b} macro steps of {c} s"
 
 
@@ -96,6 +98,12 @@ def macro_step_end(time: float, step: float, share: float, length: float):
     near = np.floor(end / length + 0.5) * length
     is_near = abs(end - near) <= NEAR * length and step >= (1.0 - NEAR) * length
     return near if is_near else end  # Eq. (Y6)
+
+
+@compilable
+def is_longer(step: float, limit: float):
+    """Return whether a step exceeds a limit by more than round-off of clocks [s]."""
+    return step > limit * (1.0 + EQUAL)
 
 
 @compilable

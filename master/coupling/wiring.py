@@ -125,7 +125,8 @@ class System:
     inputs; clocks : wires from clock to clock; period : of the machine [s], 0 where it is unknown;
     earliest : where the run may end [s], `stop` unless it ends once periodic; masks : participant
     -> rows of the cells of its fields, 1 where there is one, 0 where not; trusted : participants
-    that are restored whatever the error.
+    that are restored whatever the error; limits : outputs with the longest step that resolves the
+    motion of a participant [s].
     """
 
     participants: Mapping[str, Any]
@@ -145,6 +146,7 @@ class System:
     clocks: tuple[HeldWire, ...] = ()
     record_interval: float = 0.0
     trusted: frozenset[str] = frozenset()
+    limits: tuple[Port, ...] = ()
 
     @property
     def discrete(self) -> list[HeldWire]:

@@ -545,6 +545,7 @@ def summarise(account, control, wall_time):
         "unconverged_steps": counters.unconverged_steps,
         **({"unsettled_steps": counters.unsettled_steps} if counters.unsettled_steps else {}),
         "halved_steps": counters.halved_steps,
+        **({"repeated_steps": counters.repeated_steps} if counters.repeated_steps else {}),
         **controlled,
         "mean_iterations": float(np.mean(counters.iterations)),
         "max_iterations": int(np.max(counters.iterations)),

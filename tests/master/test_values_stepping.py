@@ -5,6 +5,7 @@ then the error of the predictor. rel = 1e-9 is round-off of some ten operations,
 tolerance of 1e-3 where residuals are differences of values up to 125.
 """
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -107,6 +108,37 @@ def test_a_failed_step_leaves_no_secants(affine, secants):
     system.participants["plant"].longest = 0.6
     watched.advance(1.0, 1.0)
     assert watched.counters.iterations == [4, 4, 2]
+
+
+def test_a_step_too_long_for_the_motion_is_repeated_in_parts(affine):
+    """Parts become longer only within the limit, and the predictor keeps its history.
+
+    The limit is the output b(t) = 1, 0.3, 0.6, 0.3 and 0.3 at t = 0, 1/4, 1/2, 3/4 and 1. A part
+    of 1/4 follows the first attempt at once, because 1/2 is above 0.3.
+    """
+    limits = {0.25: 0.3, 0.5: 0.6, 0.75: 0.3, 1.0: 0.3}
+    system = affine([[0.0]], limits.get, FINE)
+    system.participants["plant"].values["y0"] = np.array(1.0)
+    watched = Watched(replace(system, limits=(("plant", "y0"),)), halvings=2)
+    watched.advance(0.0, 1.0)
+    assert [(time, step, failure) for time, step, _, failure in watched.attempts] == [
+        (0.0, 1.0, "the motion needs steps of 0.3 s"),
+        (0.0, 0.25, None),
+        (0.25, 0.25, None),
+        (0.5, 0.5, "the motion needs steps of 0.3 s"),
+        (0.5, 0.25, None),
+        (0.75, 0.25, None),
+    ]
+    assert (watched.counters.repeated_steps, watched.counters.halved_steps) == (2, 0)
+    assert watched.counters.residual_evaluations == sum(watched.counters.iterations) + 4
+    assert [float(p.state[0]) for p in system.participants.values()] == [1.0, 1.0]
+
+
+def test_a_motion_that_no_part_resolves_is_accepted(affine):
+    system = affine([[0.0]], lambda t: 1e-9, FINE)
+    watched = Watched(replace(system, limits=(("plant", "y0"),)), halvings=1)
+    watched.advance(0.0, 1.0)
+    assert (watched.times, watched.counters.repeated_steps) == ([0.5, 1.0], 0)
 
 
 def test_newton_forgets_its_products_after_a_failure(affine):
