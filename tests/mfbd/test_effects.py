@@ -85,7 +85,12 @@ REJECTED["space"] = {"crank_free"}
 SIZE = {"Pa": 1e5, "N": 10.0, "N.m": 3.0, "m/s2": 50.0, "rad/s2": 100.0, "m": 1e-6}
 """Sizes of inputs, and of parameters whose default is 0."""
 OTHER = {"m": 1e-5, "rad": 1e-3, "kg.m": 1e-3, "1": 0.3, "kg.m2": 1e-3, "N.m.s/rad": 0.1}
-SPECIAL = {"crank_free": 1, "start_lateral_displacement": 1e-6, "pin_length": 0.2}
+SPECIAL = {
+    "crank_free": 1,
+    "start_lateral_displacement": 1e-6,
+    "pin_length": 0.2,
+    "impact_resolution": 1.0,
+}
 
 
 class Bodies:
