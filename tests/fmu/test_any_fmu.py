@@ -12,7 +12,10 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.case.ssp import read_ssp
+from piston_cosim.master.coupling.starting import closing
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.participants.open import open_fmu
+from piston_cosim.master.runs.extremes import Extremes
 
 from .counter import LOOP, case_text, make
 from .runs import run_text
@@ -48,6 +51,20 @@ def refused(folder, text):
         solved(folder, text)
     assert not (folder / "o.h5.partial").exists()
     return "\n".join(refusal.value.faults)
+
+
+def test_extremes_of_fields_of_several_types(folder):
+    """n counts the steps, so the least is that of the start. x falls as in Eq. (X5)."""
+    one = open_fmu("a", folder / "a.fmu")
+    with closing([one]):
+        one.start({}, 0.0, 1.0)
+        of_steps = Extremes([("a", "x"), ("a", "n")])
+        of_steps.begin({"a": one})
+        for k in range(STEPS):
+            one.step(k * H, H)
+            of_steps.add({"a": one})
+    np.testing.assert_allclose(of_steps.high, [1.0, STEPS], rtol=1e-14)
+    np.testing.assert_allclose(of_steps.low, [ALONE[-1], 0.0], rtol=1e-14)
 
 
 @pytest.mark.parametrize("own", ["", "isolated = true"])
