@@ -38,8 +38,12 @@ def oscillator(here):
 
 @pytest.fixture(scope="module")
 def skirt(tmp_path_factory):
-    """Run a rigid skirt on a coarse grid for 8 deg; fields are recorded at every second degree."""
+    """Run a rigid skirt on a coarse grid for 8 deg; fields are recorded at every second degree.
+
+    No impact is resolved, so that the steps are equal.
+    """
     changes = {
+        "participants.bodies.parameters.impact_resolution": "1 mm",
         "time.stop": "8 deg",
         "participants.bodies.build.grid": [16, 8],
         "participants.ehd.build.grid": [16, 8],

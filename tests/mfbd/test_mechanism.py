@@ -9,6 +9,7 @@ from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import mode_coupling
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
+from piston_cosim.fmu_mfbd.mechanism import solution
 from piston_cosim.fmu_mfbd.mechanism.chain import Element, Link, chain_of
 from piston_cosim.fmu_mfbd.mechanism.cylinder import Cylinder, cylinder_chain
 from piston_cosim.fmu_mfbd.mechanism.equations import (
@@ -208,14 +209,10 @@ def test_the_tangent_is_the_derivative(built):
         return forces_at(chain, changed, later, moved, moving).residual
 
     own = chain_forces(chain, given, now, CRANK, moving)
+    at = own.motion
     whole = matrix_of(chain_tangent(chain, given, now, own, by))
-    first = m
-    for b in built.pistons:
-        modes = slice(first, first + 8)
-        w, alpha = (own.inertia.frames[b, k] for k in (3, 2))
-        body = TWO[built.pistons.index(b)]
-        whole[modes, modes] += mode_coupling(body, alpha, w, by.velocity[first], by.position[first])
-        first += 8
+    for j, unit in enumerate(np.eye(n)[m:], m):
+        whole[m:, j] += solution.mode_coupling(chain.bodies, at, own.inertia.carrier, by, unit)
     scale = np.abs(whole).max(axis=1)
     for j, unit in enumerate(np.eye(n)):
         known = derivative(lambda x, unit=unit: residual(x * unit), 0.0, 100.0)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
-from piston_cosim.fmu_mfbd.dynamics.block_force import BlockForce
+from piston_cosim.fmu_mfbd.dynamics.block_force import BlockForce, block_force
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Prediction
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, Inputs
@@ -20,7 +20,7 @@ from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.mechanism.solution import solve_motion
-from piston_cosim.fmu_mfbd.mechanism.tied_pin import loads_of, tied_forces, tied_pin
+from piston_cosim.fmu_mfbd.mechanism.tied_pin import CRANK, loads_of, tied_forces, tied_pin
 from piston_cosim.tests.verification.cases.bodies import rigid_body
 
 from .differences import lagrange, products_by_differences
@@ -113,6 +113,9 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
     # turning all about the crank axis: the block, and the drive, which stands outside it
     on_block = [0.0, 0.0, loaded.torque] - needed[3:]
     np.testing.assert_allclose(loaded.on_block, on_block, atol=1e-9 * size)
+    # the main bearings carry the crank
+    *_, x, y = block_force(load, loaded.on_block)
+    np.testing.assert_allclose([x, y], -loaded.joints[CRANK, :2], atol=1e-9 * size)
 
 
 def skewed(reduced, mounted):
