@@ -96,7 +96,9 @@ def test_every_step_converged(summary, flexible):
     for run in (summary, summary["variants"]["rigid"]):
         assert run["periodic"]
         # from rest four were measured, twice as many digits would take six
-        assert 2 * DEGREES <= run["steps"] == run["periods"] * DEGREES <= 6 * DEGREES
+        assert 2 <= run["periods"] <= 6
+        # parts of slaps: 2 and 9 % were measured
+        assert 1.0 < run["steps"] / (run["periods"] * DEGREES) <= 1.1
         assert run["unconverged_steps"] == 0
         assert run["mass_imbalance_max"] <= 1e-12  # round-off of a direct solve
         # round-off of two summations of the same work
@@ -113,11 +115,13 @@ def test_flexible_and_rigid_need_similar_iterations(summary):
 
 def test_results_show_the_last_period_and_hold_the_start(summary, flexible):
     periods = summary["periods"]
-    # an angle of several turns, counted back
-    assert np.degrees(flexible.crank_angle) == pytest.approx(np.arange(361.0), abs=1e-9)
+    # an angle of several turns, counted back, and parts of slaps between degrees
+    degrees = np.degrees(flexible.crank_angle)
+    whole_steps = np.abs(degrees - np.round(degrees)) < 1e-9
+    assert degrees[whole_steps] == pytest.approx(np.arange(361.0), abs=1e-9)
     assert flexible.instants == pytest.approx(np.arange(0.0, 361.0, 4.0) / 36e3, abs=1e-12)
     whole = flexible.whole
-    assert len(whole.time) == periods * DEGREES + 1
+    assert len(whole.time) == summary["steps"] + 1
     assert np.degrees(whole.crank_angle[-1]) == pytest.approx(periods * DEGREES, rel=1e-12)
     # a start from rest is another film than the settled one: 10.0 um, then 13.3
     thinnest = [run.series("ehd.minimum_film_thickness").values.min() for run in (whole, flexible)]
