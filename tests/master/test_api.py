@@ -43,7 +43,6 @@ def skirt(tmp_path_factory):
     No step is repeated in parts, which would be rows of their own.
     """
     changes = {
-        "participants.bodies.parameters.impact_resolution": "1 mm",
         "time.stop": "8 deg",
         "participants.bodies.build.grid": [16, 8],
         "participants.ehd.build.grid": [16, 8],
