@@ -19,9 +19,13 @@ import numpy as np
 VALUES = Path(__file__).parent / "values.toml"
 
 
+def mean(values, time):
+    """Return the mean over time, by the trapezoidal rule; steps are not equal."""
+    return np.trapezoid(values, time) / np.ptp(time)
+
+
 # what is measured: recorded curve, what of it
 MEASURES = {
-    "mean_friction_power_w": ("ehd/friction_power", np.mean),
     "maximum_pressure_pa": ("ehd/maximum_pressure", np.max),
     "minimum_film_m": ("ehd/minimum_film_thickness", np.min),
     "side_force_min_n": ("bodies/side_force", np.min),
@@ -40,7 +44,9 @@ def read_values():
 def measure(results):
     """Measures of a results file."""
     with h5py.File(results) as file:
-        return {name: float(what(file[curve][:])) for name, (curve, what) in MEASURES.items()}
+        power = mean(file["ehd/friction_power"][:], file["time"][:])
+        extremes = {name: float(what(file[curve][:])) for name, (curve, what) in MEASURES.items()}
+        return {"mean_friction_power_w": float(power)} | extremes
 
 
 def run(entry, folder):
