@@ -233,8 +233,8 @@ class Parameters:
     impact_resolution: float = _declared(
         "m",
         "Displacement within a step from which an impact is resolved by shorter steps; of the size "
-        "of the tolerance of film_thickness",
-        10e-9,
+        "of the tolerance of film_thickness; 1 m: never",
+        1.0,
         0.0,
         1.0,
     )
