@@ -232,8 +232,7 @@ class Parameters:
     )
     impact_resolution: float = _declared(
         "m",
-        "Displacement within a step from which an impact is resolved by shorter steps; of the size "
-        "of the tolerance of film_thickness; 1 m: never",
+        "Displacement within a step from which shorter steps resolve an impact; 1 m for never",
         1.0,
         0.0,
         1.0,
