@@ -23,7 +23,7 @@ from ..geometry.surfaces import (
     row_at,
     with_room,
 )
-from ..mechanism.cylinder import EYE, Cylinder, by_bdf2, cylinder_chain, motion_across
+from ..mechanism.cylinder import EYE, CylinderParts, by_bdf2, cylinder_chain, motion_across
 from ..mechanism.solution import no_chain_factors
 from ..mechanism.tied_pin import tied_pin
 from ..reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, ReducedShell, load
@@ -49,7 +49,7 @@ from .parameters import (
 )
 from .pin_films import PinSystem
 from .pin_friction import PinFriction
-from .quasi_static import StaticModes, standing
+from .quasi_static import StaticModes, moving_modes, standing
 from .slider_crank import Mechanism
 from .space_model import PistonInSpace
 from .speed_table import SpeedTable
@@ -208,9 +208,9 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     fit, body, wall = setup.fit, setup.piston, setup.wall
     films = setup.half_surfaces if is_halved(setup.half_surfaces, p) else setup.surfaces
     springs = modal_springs(setup.piston_omega, p)
-    k = moving_modes(setup.piston_omega, p)
+    k = moving_modes(setup.piston_omega, p.quasi_static_frequency)
     on_block = modal_springs(setup.block_omega, p)
-    m = moving_modes(setup.block_omega, p)
+    m = moving_modes(setup.block_omega, p.quasi_static_frequency)
     piston = FlexibleBody(
         body.mass,
         body.S,
@@ -273,7 +273,7 @@ def chained(
         free[k], free[n + k] = omega[k], omega[k]
     for k in range(len(setup.shell_omega)):
         free[2 * n + k] = setup.shell_omega[k]
-    cylinder = Cylinder(
+    cylinder = CylinderParts(
         system.piston,
         system.mechanism,
         p.pin_inertia if p.pin_inertia > 0.0 else spin_inertia,
@@ -292,15 +292,6 @@ def chained(
     if fit.floats:
         inertia, with_rod = motion_across(cylinder, 0.0), motion_across(cylinder, 1.0)
     return PinSystem(system, chain, by_bdf2(chain), shapes, films, inertia, with_rod)
-
-
-@compilable
-def moving_modes(omega: np.ndarray, p: Settings) -> int:
-    """Return the number of modes that have inertia."""
-    count = 0
-    for one in omega:
-        count += one <= 2 * np.pi * p.quasi_static_frequency
-    return count
 
 
 @compilable

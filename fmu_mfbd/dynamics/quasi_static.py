@@ -96,3 +96,12 @@ def follow(position, velocity, position_before, q, first, step):
     for k in range(len(q)):
         position[first + k] = q[k]
         velocity[first + k] = (q[k] - position_before[first + k]) / step if step > 0.0 else 0.0
+
+
+@compilable
+def moving_modes(omega: np.ndarray, highest: float) -> int:
+    """Return the number of modes that have inertia, those up to a frequency [Hz]."""
+    count = 0
+    for one in omega:
+        count += one <= 2 * np.pi * highest
+    return count

@@ -63,7 +63,7 @@ COORDINATES = PIN.spin + 1
 """Those of a floating pin without films of the crank and modes."""
 
 
-class Cylinder(NamedTuple):
+class CylinderParts(NamedTuple):
     """What the chain of a cylinder is made of.
 
     Parameters
@@ -99,7 +99,7 @@ class Cylinder(NamedTuple):
 
 
 @compilable
-def cylinder_chain(c: Cylinder) -> Chain:
+def cylinder_chain(c: CylinderParts) -> Chain:
     """Return the chain of a cylinder on a fixed block: elements of all films, of skirt and gas.
 
     Eq. (K16):  x_S = x_A + a_x - e_x,   Y_A = Y_S + e_y - a_y,   x_P = x_A + a_x
@@ -277,7 +277,7 @@ def by_bdf2(chain: Chain) -> np.ndarray:
 
 
 @compilable
-def motion_across(c: Cylinder, of_rod: float) -> Arrow:
+def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
     """Return M of the motion across the bore and of the pin in its shells.
 
     Eq. (D22):  T = q' . M q'/2      of piston and pin, the piston upright, the rod's eye along the
@@ -290,7 +290,7 @@ def motion_across(c: Cylinder, of_rod: float) -> Arrow:
 
     Parameters
     ----------
-    c : Cylinder
+    c : CylinderParts
     of_rod : float
         Share of the masses of rod and crank that counts: 0 or 1.
     """
@@ -306,7 +306,7 @@ def motion_across(c: Cylinder, of_rod: float) -> Arrow:
         rod.friction,
     )
     chain = cylinder_chain(
-        Cylinder(
+        CylinderParts(
             c.piston,
             upright,
             c.spin_inertia,

@@ -1,7 +1,4 @@
-"""Check of FMUs by the interface contract, and replacement of participants by FMUs.
-
-The check covers names, units, shapes and capabilities.
-"""
+"""Check of names, units, shapes and capabilities by the contract, and replacement by FMUs."""
 
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -11,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...models import MODELS
-from ..coupling.wiring import Port, Wire, port_of
+from ..coupling.wiring import Wire, port_of
 from ..fmi.errors import BadInput, for_all, names_of, unknown
 from ..participants.open import open_fmu
 from .keys import part_function
@@ -197,19 +194,6 @@ def players(tree: dict, role: str) -> list[str]:
     said = [name for name, table in tables.items() if table.get("role") == role]
     usual = contract()[role].participant
     return said or [name for name in tables if name == usual]
-
-
-def limits_of(case: Any, participants: Mapping[str, Any]) -> tuple[Port, ...]:
-    """Return the outputs with the longest step of the participants that have one."""
-    tables = {name: {"role": table.role} for name, table in case.participants.items()}
-    ports = (
-        (name, terms.longest_step)
-        for role, terms in contract().items()
-        for name in players({"participants": tables}, role)
-    )
-    return tuple(
-        (name, output) for name, output in ports if output and output in participants[name].fields
-    )
 
 
 def replaced_participant(tree: dict, role: str, text: str) -> tuple[str, str]:

@@ -19,7 +19,7 @@ from .ahead import (
     declared_wires,
     faults_ahead,
 )
-from .contract import contract, limits_of, starting_order, unable_to_iterate
+from .contract import contract, players, starting_order, unable_to_iterate
 from .given import build_options, masks
 from .inputs import check_fixed, interpolating, slopes, with_one_way
 from .machine_code import native_choice
@@ -112,10 +112,7 @@ def open_system(
         progress(line)
     participants = _as_they_start(participants, wires, progress)
     wires += slopes(case, participants, wires, clock.step)
-    for participant in opened.values():
-        described = getattr(participant, "described", participant)
-        if isinstance(described, Substeps) and described.length is None:
-            described.length = clock.step
+    _give_step(opened, clock.step)
     return System(
         participants,
         tuple(case.coupling.order),
@@ -134,7 +131,28 @@ def open_system(
         tuple(wire for wire in handed if wire.target in of_clocks),
         record_interval(case, angular_speed(case, parameters)),
         frozenset(name for name, table in case.participants.items() if table.rollback),
-        limits_of(case, participants),
+        _limits(case, participants),
+    )
+
+
+def _give_step(participants, step):
+    """Give the macro step to participants that take sub-steps of it."""
+    for participant in participants.values():
+        described = getattr(participant, "described", participant)
+        if isinstance(described, Substeps) and described.length is None:
+            described.length = step
+
+
+def _limits(case, participants):
+    """Return the outputs with the longest step of the participants that have one."""
+    tables = {name: {"role": table.role} for name, table in case.participants.items()}
+    ports = (
+        (name, terms.longest_step)
+        for role, terms in contract().items()
+        for name in players({"participants": tables}, role)
+    )
+    return tuple(
+        (name, output) for name, output in ports if output and output in participants[name].fields
     )
 
 

@@ -9,7 +9,7 @@ from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.mechanism.chain import Element, Link, chain_of
-from piston_cosim.fmu_mfbd.mechanism.cylinder import Cylinder, cylinder_chain
+from piston_cosim.fmu_mfbd.mechanism.cylinder import CylinderParts, cylinder_chain
 from piston_cosim.fmu_mfbd.mechanism.equations import (
     block_motion,
     chain_forces,
@@ -133,7 +133,7 @@ def test_a_cylinder_is_the_chain_by_names(modes, films):
     piston = flexible(modes)
     by_name = engine([piston], films, films, yields=films).chain
     own = cylinder_chain(
-        Cylinder(
+        CylinderParts(
             piston=piston,
             mechanism=MECHANISM,
             spin_inertia=SPIN_INERTIA,
