@@ -67,7 +67,8 @@ def test_another_period_changes_the_numbers_by_less_than_a_hundredth(tmp_path):
     """The remaining change is a share of the last one.
 
     The tolerance limits the last change to 1e-3 of each field's range. A smallest or largest value
-    follows the fields by a factor of a few.
+    follows the fields by a factor of a few. Steps of slaps are not repeated in parts: with macro
+    steps of 3 deg, parts read the energy before a slap at other instants in each period.
     """
     summaries = []
     for least in (2, None):
@@ -75,6 +76,7 @@ def test_another_period_changes_the_numbers_by_less_than_a_hundredth(tmp_path):
         more = (("time.until_periodic", 1e-12), ("time.stop", f"{stop} deg")) if stop else ()
         case = {"path": find_case("numerical_example"), "grid": (16, 12), "step": "3 deg"}
         rigid = [(f"participants.bodies.build.{body}.modes", 0) for body in ("piston", "block")]
+        rigid += [("participants.bodies.parameters.impact_resolution", "1 m")]
         summary, results = through(tmp_path, f"least{least}", *rigid, *more, **case)
         with results:
             tilt = results.series("bodies.rocking_angle").values
