@@ -78,7 +78,7 @@ class Options:
                 for entry in tree["variables"]
             ),
             *(_read_ports(tree[causality]) for causality in ("parameter", "input", "output")),
-            tuple((owner, name) for owner, name in tree["limits"]),
+            limits=tuple((owner, name) for owner, name in tree["limits"]),
         )
 
 

@@ -113,12 +113,12 @@ def forget_past(state: CoupledState):
 
 
 @compiled
-def longest_step(system: System, limits: np.ndarray):
+def longest_step(system: System, limits: np.ndarray) -> float:
     """Return the longest step that resolves the motion, as `Stepper._longest_step` [s]."""
     longest = np.inf
     for k in range(len(limits)):
         one = exposed_from(limits[k])
-        longest = min(longest, real_of(system, one.owner)[one.own_place])
+        longest = min(longest, float(real_of(system, one.owner)[one.own_place]))
     return longest
 
 
