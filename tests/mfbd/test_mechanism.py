@@ -1,4 +1,4 @@
-"""Chains of bodies: against the equations by hand, differences, virtual work and momentum."""
+"""Chains of bodies: tables by name, differences, virtual work and momentum."""
 
 import os
 
