@@ -328,7 +328,7 @@ def are_bodies(bodies: BodySetup, places: VariablePlaces, coordinates: int):
     if fit.has_big_end:
         most[EYE + 1] = bodies.big_end_modes
     floats = len(places.pins.cells) > 0
-    modes = shells + 2 * int(films) if floats else block
+    modes = block + (shells + 2 * int(films) if floats else 0)
     limits = Limits(fit.skirt_lower, fit.skirt_upper, fit.bore_lower, fit.bore_upper)
     return (
         coordinates == (COORDINATES if floats else RIGID) + piston + modes

@@ -289,8 +289,8 @@ class Common(BuildTable):
     Default: one surface for the whole skirt, with variable names without prefix.
     """
     floating_pin: FloatingPin | None = None
-    """Films between pin, bosses and rod. They replace a pin that is tied to the piston. The block
-    is rigid, and without boss_modes so is the piston.
+    """Films between pin, bosses and rod. They replace a pin that is tied to the piston. Without
+    boss_modes the piston is rigid.
     """
     big_end: CrankBearing | None = None
     """Film between the rod and the crank pin, surface big_end. Requires floating_pin."""
@@ -410,10 +410,7 @@ class Build(Common):
         if not self.floating_pin:
             return self
         faults = []
-        if not self.block.rigid and self.block.modes:
-            got = f"{self.block.modes:g}"
-            faults.append(f"block.modes: expected 0 or a rigid block with floating_pin, got {got}")
-        elif (self.piston.rigid or not self.piston.modes) and self.floating_pin.boss_modes:
+        if (self.piston.rigid or not self.piston.modes) and self.floating_pin.boss_modes:
             got = self.floating_pin.boss_modes
             faults.append(f"floating_pin.boss_modes: expected 0 for a rigid piston, got {got}")
         elif not self.piston.rigid and self.piston.modes:

@@ -23,7 +23,7 @@ from ..geometry.surfaces import (
     row_at,
     with_room,
 )
-from ..mechanism.cylinder import EYE, CylinderParts, by_bdf2, cylinder_chain, motion_across
+from ..mechanism.cylinder import EYE, CylinderParts, cylinder_chain, integrators, motion_across
 from ..mechanism.solution import no_chain_factors
 from ..mechanism.tied_pin import tied_pin
 from ..reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, ReducedShell, load
@@ -47,7 +47,7 @@ from .parameters import (
     SpaceParameters,
     settings_of,
 )
-from .pin_films import PinSystem
+from .pin_films import PinSystem, undamp_static
 from .pin_friction import PinFriction
 from .quasi_static import StaticModes, moving_modes, standing
 from .slider_crank import Mechanism
@@ -268,13 +268,20 @@ def chained(
     `spin_inertia` is that of the pin if its parameter is 0 [kg m2].
     """
     fit, n = setup.fit, len(omega)
-    free = np.empty(2 * n + len(setup.shell_omega))
+    static, block = len(system.piston_static.stiffness), len(setup.block_omega)
+    bent = static + block
+    free = np.empty(bent + 2 * n + len(setup.shell_omega))
+    for k in range(static):
+        free[k] = setup.piston_omega[len(system.piston.stiffness) + k]
+    for k in range(block):
+        free[static + k] = setup.block_omega[k]
     for k in range(n):
-        free[k], free[n + k] = omega[k], omega[k]
+        free[bent + k], free[bent + n + k] = omega[k], omega[k]
     for k in range(len(setup.shell_omega)):
-        free[2 * n + k] = setup.shell_omega[k]
+        free[bent + 2 * n + k] = setup.shell_omega[k]
     cylinder = CylinderParts(
         system.piston,
+        system.piston_static,
         system.mechanism,
         p.pin_inertia if p.pin_inertia > 0.0 else spin_inertia,
         p.crank_mass,
@@ -283,6 +290,8 @@ def chained(
         fit.has_big_end,
         fit.has_main_bearing,
         modal_springs(free, p),
+        block,
+        len(system.block_static.stiffness),
         n,
         setup.big_end_modes,
         setup.main_bearing_modes,
@@ -291,7 +300,9 @@ def chained(
     inertia, with_rod = no_chain_factors().arrow, no_chain_factors().arrow
     if fit.floats:
         inertia, with_rod = motion_across(cylinder, 0.0), motion_across(cylinder, 1.0)
-    return PinSystem(system, chain, by_bdf2(chain), shapes, films, inertia, with_rod)
+    kinds = integrators(cylinder, chain)
+    undamp_static(kinds, chain)
+    return PinSystem(system, chain, kinds, shapes, films, inertia, with_rod)
 
 
 @compilable
@@ -541,10 +552,10 @@ def body_faults(bodies: ReducedBodies, options: BuildOptions) -> list[str]:
     """Return sentences about reduced bodies that do not fit each other or the pin."""
     piston, block, bosses, _ = bodies
     out = []
-    modes = len(block.omega) + (0 if bosses else len(piston.omega))
-    if options.floating_pin and modes:
+    modes = len(piston.omega)
+    if options.floating_pin and modes and not bosses:
         out.append(
-            "floating_pin: expected rigid bodies or a piston with modes for its bosses, "
+            "floating_pin: expected a rigid piston or one with modes for its bosses, "
             f"got {modes} modes"
         )
     if piston.radius >= block.radius:

@@ -17,6 +17,9 @@ from ..mechanism.motion import Increments
 from .generalised_alpha import Coefficients, Motion, Prediction, predict
 from .impact import Inertia, limit_memory
 
+BY_ALPHA, BY_BDF2, STATIC = 0.0, 1.0, 2.0
+"""Time integrators of a coordinate: generalised alpha, BDF2, or a mode that follows its load."""
+
 LARGEST_RATIO = 2.0
 """Largest ratio of two steps that counts: BDF2 is zero-stable below 1 + sqrt(2) [Hairer1993]."""
 
@@ -44,17 +47,30 @@ def memory_of(step: float, last: float) -> float:
 
 
 @compilable
-def reach_of(c: Coefficients, by_bdf2: np.ndarray) -> Increments:
-    """Return the change of coordinates with their end accelerations (Eqs. (N2), (N9)).
+def reach_of(c: Coefficients, kinds: np.ndarray) -> Increments:
+    """Return the change of coordinates with their unknowns.
 
-    `by_bdf2` is 1 for each coordinate that follows BDF2, else 0, shape (n,).
+    These are end accelerations (Eqs. (N2), (N9)), but for modes without inertia.
+
+    Eq. (N13):  q_1 = q_0 + h^2 u,   q'_1 = (q_1 - q_0)/h,   q''_1 = 0      u the unknown of a mode
+                without inertia; at the start q_1 = q_0 + u, q'_1 = 0
+
+    Parameters
+    ----------
+    c : Coefficients
+    kinds : ndarray, shape (n,)
+        `BY_ALPHA`, `BY_BDF2` or `STATIC` of each coordinate.
     """
-    n = len(by_bdf2)
+    n = len(kinds)
     out = Increments(np.empty(n), np.empty(n), np.ones(n))
     own = c.step - c.memory
     for k in range(n):
-        out.velocity[k] = own if by_bdf2[k] else c.to_velocity
-        out.position[k] = own**2 if by_bdf2[k] else c.to_position
+        out.velocity[k] = own if kinds[k] == BY_BDF2 else c.to_velocity
+        out.position[k] = own**2 if kinds[k] == BY_BDF2 else c.to_position
+        if kinds[k] == STATIC:
+            # Eq. (N13)
+            out.velocity[k], out.acceleration[k] = c.step, 0.0
+            out.position[k] = c.step**2 if c.step > 0.0 else 1.0
     return out
 
 
@@ -64,15 +80,15 @@ def predicted_of(
     before: Motion,
     auxiliary: np.ndarray,
     mean_velocity: np.ndarray,
-    by_bdf2: np.ndarray,
+    kinds: np.ndarray,
 ) -> Prediction:
-    """Return the end of a step without accelerations.
+    """Return the end of a step if its unknowns were zero.
 
     Eq. (N9):  q'_1 = q'_0 + tau a_0 + (h - tau) q''_1,   a_1 = (q'_1 - q'_0)/h
                q_1  = q_0 + tau u_0 + (h - tau) q'_1,     u_1 = (q_1 - q_0)/h
 
     This is BDF2 as a step of backward Euler (tau = 0) of length h - tau. Other coordinates follow
-    Eq. (N2).
+    Eqs. (N2) and (N13).
 
     Parameters
     ----------
@@ -82,27 +98,29 @@ def predicted_of(
         q_0, q'_0 and q''_0, shape (n,).
     auxiliary, mean_velocity : ndarray, shape (n,)
         a_0 and u_0 [m/s2], [m/s].
-    by_bdf2 : ndarray, shape (n,)
+    kinds : ndarray, shape (n,)
         As of `reach_of`.
     """
     end = predict(c, before, auxiliary)
     for k in range(len(end.position)):
-        if by_bdf2[k]:
+        if kinds[k] == BY_BDF2:
             # Eq. (N9)
             end.velocity[k] = before.velocity[k] + c.memory * auxiliary[k]
             passed = c.memory * mean_velocity[k]
             end.position[k] = before.position[k] + passed + (c.step - c.memory) * end.velocity[k]
+        elif kinds[k] == STATIC:
+            end.velocity[k], end.position[k] = 0.0, before.position[k]  # Eq. (N13)
     return end
 
 
 @compilable
 def auxiliary_after(
-    c: Coefficients, predicted: Prediction, before: Motion, end: Motion, by_bdf2: np.ndarray
+    c: Coefficients, predicted: Prediction, before: Motion, end: Motion, kinds: np.ndarray
 ) -> np.ndarray:
-    """Return a_1 of Eqs. (N2) and (N9), shape (n,); `by_bdf2` as of `reach_of`."""
+    """Return a_1 of Eqs. (N2) and (N9), shape (n,); `kinds` as of `reach_of`."""
     out = predicted.auxiliary
     for k in range(len(out)):
-        if not by_bdf2[k]:
+        if kinds[k] != BY_BDF2:
             out[k] += c.to_auxiliary * end.acceleration[k]
         elif c.step > 0.0:
             out[k] = (end.velocity[k] - before.velocity[k]) / c.step

@@ -31,6 +31,7 @@ from ..mechanism.chain import Chain, Loads
 from ..mechanism.cylinder import EYE
 from ..mechanism.loads import MOMENT, REACTION, HeldForces, no_forces
 from ..mechanism.motion import ChainChange, ChainMotion
+from .bdf2 import STATIC
 from .floating_frame import TURN, Arrow, X, Y
 from .generalised_alpha import Motion
 from .pin_shells import (
@@ -54,11 +55,11 @@ class PinSystem(NamedTuple):
     Parameters
     ----------
     system : BodySystem
-        The same with the pin tied. If the pin floats, no mode is static, and the block is rigid.
+        The same with the pin tied.
     chain : Chain
         Of `mechanism.cylinder`.
-    by_bdf2 : ndarray, shape (n,)
-        1 for each coordinate that follows BDF2, else 0.
+    kinds : ndarray, shape (n,)
+        Time integrator of each coordinate, as of `bdf2.reach_of`.
     shapes : AxisShapes
         Of the pin.
     surfaces : ndarray
@@ -69,11 +70,20 @@ class PinSystem(NamedTuple):
 
     system: BodySystem
     chain: Chain
-    by_bdf2: Vector
+    kinds: Vector
     shapes: AxisShapes
     surfaces: Vector
     inertia: Arrow
     with_rod: Arrow
+
+
+@compilable
+def undamp_static(kinds: np.ndarray, chain: Chain) -> None:
+    """Set the damping of modes without inertia to zero."""
+    m = chain.joints.tip.shape[1]
+    for k in range(len(chain.bodies.damping)):
+        if kinds[m + k] == STATIC:
+            chain.bodies.damping[k] = 0.0
 
 
 @compilable
@@ -91,7 +101,7 @@ def held_forces(of: PinSystem, load: Load, forces: PinForces) -> HeldForces:
     ----------
     of : PinSystem
     load : Load
-        On the piston, without its pin.
+        On the piston, without its pin, and on the modes of piston and block.
     forces : PinForces
         Of all films of pin and crank, stacked [N].
     """

@@ -17,27 +17,28 @@ from ..mechanism.equations import ChainForces, chain_tangent, forces_at
 from ..mechanism.loads import MOMENT, REACTION, HeldForces, loads_at
 from ..mechanism.motion import Increments, chain_motion
 from ..mechanism.solution import ChainFactors, arrow_product, factorise_chain, solve_coupled
-from .bdf2 import auxiliary_after, limit_plays, predicted_of, reach_of
+from .bdf2 import STATIC, auxiliary_after, limit_plays, predicted_of, reach_of
 from .block_force import BlockForce
 from .carrier import Carrier
 from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
 from .floating_frame import TURN, X, Y
+from .gas_on_bore import wall_forces
 from .generalised_alpha import Motion, Prediction
 from .impact import limit_memory, longest_step
-from .instant import Instant, load_of, rigid_piston, with_gas
+from .instant import Instant, load_of, rigid_piston
 from .pin_films import PinSystem, held_forces, pin_films
 from .pin_shells import play_at, shapes_of, shell_modes_of
 from .piston_motion import LATERAL, RIGID, ROCKING
 from .skirt_films import AxialMotion, forces_by_film, skirt_films, together
 from .slider_crank import CrankMotion, height
-from .system import StepProblem
+from .system import BodySystem, OtherForces, StepProblem
 
 PASSES = 30
 """Most iterations of Newton's method; its tangent is exact, three are usual."""
 
 
 class PinSolution(NamedTuple):
-    """Accelerations that fulfil Eq. (D61), and what goes with them.
+    """Motion that fulfils Eq. (D61), and what goes with it.
 
     Parameters
     ----------
@@ -49,7 +50,7 @@ class PinSolution(NamedTuple):
     evaluations : int
         0 where the equations were not solved.
     change : float
-        Of accelerations, in the last pass [m/s2, rad/s2].
+        Of the unknowns, in the last pass [m/s2, rad/s2].
     """
 
     end: Motion
@@ -161,25 +162,27 @@ def solved(
     carrier: Carrier,
     crank: CrankMotion,
 ) -> PinSolution:
-    """Solve Eq. (D61) for the accelerations at the end of a step, by Newton's method.
+    """Solve Eq. (D61) for the unknowns at the end of a step, by Newton's method.
 
-    The iteration starts from those at the beginning of the step.
+    The iteration starts from the accelerations at the beginning of the step.
     """
     chain = of.chain
     n = len(begun)
-    end = Motion(np.empty(n), np.empty(n), begun.copy())
+    unknown = begun.copy()
+    end = Motion(np.empty(n), np.empty(n), np.empty(n))
     change = np.inf
     evaluations = 0
     for evaluation in range(1, PASSES + 1):
         for k in range(n):
-            end.position[k] = predicted.position[k] + by.position[k] * end.acceleration[k]
-            end.velocity[k] = predicted.velocity[k] + by.velocity[k] * end.acceleration[k]
+            end.position[k] = predicted.position[k] + by.position[k] * unknown[k]
+            end.velocity[k] = predicted.velocity[k] + by.velocity[k] * unknown[k]
+            end.acceleration[k] = by.acceleration[k] * unknown[k]
         at = chain_motion(chain.joints, end, crank)
         loads = loads_at(chain, held, at, end)
         forces = forces_at(chain, loads, at, end, carrier)
         factors = factorise_chain(chain_tangent(chain, loads, end, forces, by))
         step = solve_coupled(chain.bodies, at, carrier, by, factors, forces.residual)
-        size = largest(end.acceleration)
+        size = largest(unknown)
         left = largest(step)
         # what grows again, or does not fall by ten, is round-off of forces that cancel
         ends = left <= 1e-13 * size or (change <= 1e-7 * size and left >= 0.1 * change)
@@ -188,7 +191,7 @@ def solved(
             evaluations = evaluation
             break
         for k in range(n):
-            end.acceleration[k] -= step[k]
+            unknown[k] -= step[k]
     return PinSolution(end, loads, forces, factors, evaluations, change)
 
 
@@ -298,12 +301,14 @@ def coordinate_forces(chain: Chain, loads: Loads, skirt: FilmForces) -> np.ndarr
 
 
 @compilable
-def elastic_energy(chain: Chain, position: np.ndarray) -> float:
-    """Return the energy of all modes [J]."""
+def elastic_energy(of: PinSystem, position: np.ndarray) -> float:
+    """Return the energy of all modes that have inertia [J]."""
+    chain = of.chain
     m = chain.joints.tip.shape[1]
     total = 0.0
     for k in range(len(chain.bodies.stiffness)):
-        total += chain.bodies.stiffness[k] * position[m + k] ** 2 / 2
+        if of.kinds[m + k] != STATIC:
+            total += chain.bodies.stiffness[k] * position[m + k] ** 2 / 2
     return total
 
 
@@ -316,7 +321,7 @@ def _ledger(of, before, kept, end, by_films, driven):
         arrow_product(of.with_rod, mean_acceleration(before, end)),
         arrow_product(of.inertia, kept.velocity),
     )
-    elastic = elastic_energy(of.chain, kept.position)
+    elastic = elastic_energy(of, kept.position)
     return energy_ledger(before, kept, end, momenta, by_films, driven, elastic)
 
 
@@ -346,13 +351,16 @@ def end_of_pin_step(
     guided = AxialMotion(upright.height, upright.lever * crank.speed)
     parts = forces_by_film(system, guided.height, skirt_forces)
     skirt = together(parts)
-    load = load_of(system, skirt, others, with_gas(system, skirt.piston, others.gas))
+    load = load_of(system, skirt, others, on_modes(skirt))
     held = held_forces(of, load, forces)
-    predicted = predicted_of(c, before, auxiliary, mean_velocity, of.by_bdf2)
-    by = reach_of(c, of.by_bdf2)
-    found = solved(of, predicted, before.acceleration, by, held, others.carrier, crank)
-    end, loads, at = found.end, found.loads, found.forces.motion
-    carried = auxiliary_after(c, predicted, before, end, of.by_bdf2)
+    by_gas = gas_on_modes(system, guided.height, others)
+    for k in range(len(by_gas)):
+        held.modal[k] += by_gas[k]
+    predicted = predicted_of(c, before, auxiliary, mean_velocity, of.kinds)
+    by = reach_of(c, of.kinds)
+    solution = solved(of, predicted, before.acceleration, by, held, others.carrier, crank)
+    end, loads, at = solution.end, solution.loads, solution.forces.motion
+    carried = auxiliary_after(c, predicted, before, end, of.kinds)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
     piston = rigid_piston(system, 0.0)
     longest = longest_step(piston, before, kept, carried, c.step, system.resolution)
@@ -366,14 +374,14 @@ def end_of_pin_step(
         skirt_forces,
         parts,
         axial.velocity,
-        of_skirt(chain, end.position),
-        of_skirt(chain, end.velocity),
+        of_skirt(of, end.position),
+        of_skirt(of, end.velocity),
     )
     on_pins = pin_films(of, forces, loads, at, end)
     driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guided.velocity + on_pins.driven
-    for k in range(len(load.modal)):
-        loads.modal[k] -= others.gas * system.gas_force[k]
-    by_films = coordinate_forces(chain, loads, skirt)
+    for k in range(len(by_gas)):
+        loads.modal[k] -= by_gas[k]
+    push = coordinate_forces(chain, loads, skirt)
     on_pin = np.zeros(loads.wrench.shape[1])
     for e in range(EYE):
         for k in range(len(on_pin)):
@@ -383,9 +391,9 @@ def end_of_pin_step(
             end=end,
             kept=kept,
             auxiliary=carried,
-            ledger=_ledger(of, before, kept, end, by_films, c.step * driven),
-            other_forces=other_forces(arrow_product(of.with_rod, end.acceleration), by_films),
-            next_other_forces=other_forces(arrow_product(of.with_rod, kept.acceleration), by_films),
+            ledger=_ledger(of, before, kept, end, push, c.step * driven),
+            other_forces=other_forces(arrow_product(of.with_rod, end.acceleration), push),
+            next_other_forces=other_forces(arrow_product(of.with_rod, kept.acceleration), push),
             guided=guided.height,
             load=load,
             side_force=-skirt.lateral,
@@ -394,27 +402,55 @@ def end_of_pin_step(
             pin_x=-on_pin[X],
             pin_y=-on_pin[Y] - on_skirt.on_slopes,
             pin_moment=on_pin[REACTION],
-            torque=found.forces.torque - on_skirt.on_slopes * upright.lever,
+            torque=solution.forces.torque - on_skirt.on_slopes * upright.lever,
             pin_friction_power=on_pins.friction_power,
-            evaluations=found.evaluations,
-            tangents=found.evaluations,
-            change=found.change,
+            evaluations=solution.evaluations,
+            tangents=solution.evaluations,
+            change=solution.change,
             longest_step=longest,
         ),
         on_pins.film_thickness,
         on_pins.circumferential_velocity,
         on_pins.work_error,
         pin_scalars(of, kept, loads),
-        found.factors,
-        _block_force(chain, loads, found.forces),
+        solution.factors,
+        _block_force(chain, loads, solution.forces),
     )
 
 
 @compilable
-def of_skirt(chain: Chain, coordinates: np.ndarray) -> np.ndarray:
-    """Return the coordinates of the skirt's films: x_A, rocking angle, modes of the piston."""
-    first = chain.joints.tip.shape[1]
-    modes = chain.bodies.first_mode[BODY.piston + 1]
+def on_modes(skirt: FilmForces) -> np.ndarray:
+    """Return the forces of the skirt's films on the modes of piston and block [kg^-1/2 N]."""
+    first = len(skirt.piston)
+    out = np.empty(first + len(skirt.block))
+    for k in range(first):
+        out[k] = skirt.piston[k]
+    for k in range(len(skirt.block)):
+        out[first + k] = skirt.block[k]
+    return out
+
+
+@compilable
+def gas_on_modes(system: BodySystem, guided: float, others: OtherForces) -> np.ndarray:
+    """Return the forces of gas on the modes of piston and block [kg^-1/2 N].
+
+    `guided` is the height at which the bore is read [m].
+    """
+    first = len(system.gas_force)
+    wall = wall_forces(system.wall, guided, others.wall)
+    out = np.empty(first + len(wall))
+    for k in range(first):
+        out[k] = others.gas * system.gas_force[k]
+    for k in range(len(wall)):
+        out[first + k] = wall[k]
+    return out
+
+
+@compilable
+def of_skirt(of: PinSystem, coordinates: np.ndarray) -> np.ndarray:
+    """Return the coordinates of the skirt's films: x_A, rocking angle, modes of piston, block."""
+    first = of.chain.joints.tip.shape[1]
+    modes = len(of.system.gas_force) + of.system.wall.above.shape[1]
     out = np.empty(RIGID + modes)
     for k in range(RIGID):
         out[k] = coordinates[k]

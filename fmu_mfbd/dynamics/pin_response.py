@@ -17,8 +17,8 @@ from .carrier import FIXED
 from .floating_frame import Y
 from .generalised_alpha import Motion
 from .pin_films import PinSystem, held_forces, pin_changes
-from .pin_instant import of_skirt
-from .piston_motion import LATERAL, ROCKING
+from .pin_instant import of_skirt, on_modes
+from .piston_motion import LATERAL, RIGID, ROCKING
 from .response import Response, StepEnd, load_change
 from .skirt_films import Change, forces_by_film, skirt_changes, together
 from .system import RingForce
@@ -67,9 +67,9 @@ def respond_pin(
     end, guided, carrier = last.now, last.guided, last.load.carrier
     n = len(end.position)
     skirt = together(forces_by_film(system, guided, skirt_forces))
-    change = load_change(system, skirt, rings, skirt.piston, FIXED)
+    change = load_change(system, skirt, rings, on_modes(skirt), FIXED)
     at = chain_motion(chain.joints, end, last.crank)
-    by = reach_of(last.coefficients, of.by_bdf2)
+    by = reach_of(last.coefficients, of.kinds)
     right = load_rows(chain, loads_at(chain, held_forces(of, change, forces), at, end), at)
     # Eq. (D23)
     acceleration = solve_coupled(chain.bodies, at, carrier, by, last.factors, right)
@@ -80,9 +80,11 @@ def respond_pin(
         moved.velocity[k] = by.velocity[k] * acceleration[k]
     bodies = changes_along(motion_changes(chain.joints, at, by), acceleration)
     rising = bodies.velocity[BODY.piston, Y]
-    none = np.zeros(0)
-    bent = Change(of_skirt(chain, moved.position), of_skirt(chain, moved.velocity))
-    on_skirt = skirt_changes(system, guided, rising, bent, Change(none, none))
+    place, speed = of_skirt(of, moved.position), of_skirt(of, moved.velocity)
+    first = RIGID + len(skirt.piston)
+    piston = Change(place[:first], speed[:first])
+    block = Change(place[first:], speed[first:])
+    on_skirt = skirt_changes(system, guided, rising, piston, block)
     on_pins = pin_changes(of, at, end, moved, bodies)
     return PinResponse(
         Response(

@@ -9,7 +9,6 @@ from ...master.fmi.compiled import compilable
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import pins_of
-from ..mechanism.cylinder import BODY
 from ..mechanism.solution import no_chain_factors
 from ..mechanism.tied_pin import tied_forces
 from .account import EnergyAccount, account
@@ -22,7 +21,7 @@ from .generalised_alpha import Motion
 from .instant import Instant, end_of_step
 from .modal_damping import put_damping
 from .parameters import GAS_SOURCES, Settings
-from .pin_films import PinSystem
+from .pin_films import PinSystem, undamp_static
 from .pin_instant import PinInstant, PinScalars, end_of_pin_step
 from .pin_response import PinResponse, respond_pin
 from .piston_motion import RIGID
@@ -127,7 +126,7 @@ def coordinates_of(model: BodyModel) -> int:
     """Return the number of coordinates of all bodies."""
     system = model.parts.system
     if has_pins(model):
-        return len(model.parts.by_bdf2)
+        return len(model.parts.kinds)
     block = len(system.block.stiffness) + len(system.block_static.stiffness)
     return RIGID + len(system.gas_force) + block
 
@@ -137,9 +136,9 @@ def modes_of(model: BodyModel) -> tuple[int, int]:
     """Return the first and the end of the modal coordinates of piston and block."""
     if not has_pins(model):
         return RIGID, coordinates_of(model)
-    chain = model.parts.chain
-    first = chain.joints.tip.shape[1]
-    return first, first + chain.bodies.first_mode[BODY.piston + 1]
+    system = model.parts.system
+    first = model.parts.chain.joints.tip.shape[1]
+    return first, first + len(system.gas_force) + system.wall.above.shape[1]
 
 
 @compilable
@@ -149,6 +148,7 @@ def set_damping(model: BodyModel, p: Any) -> None:
     put_damping(system.chain.bodies.damping, system.chain.bodies.stiffness, p)
     put_damping(system.block.damping, system.block.stiffness, p)
     put_damping(bodies.damping, bodies.stiffness, p)
+    undamp_static(model.parts.kinds, model.parts.chain)
 
 
 # ---- a step

@@ -37,7 +37,9 @@ LEVER, VISCOUS = map(PinFriction._fields.index, ("lever", "viscous"))
 class Bodies(NamedTuple):
     """Inertia integrals (Eq. (J7)) and modal springs of n bodies, their k modes stacked.
 
-    After them there are s modes of shells and journals with the inertia of their own motion alone.
+    After them there are s modes with the inertia of their own motion alone, as those of shells and
+    journals. The first r of them deflect the last body: the motion of its frame loads them, but
+    their deflection changes none of its integrals.
 
     Parameters
     ----------
@@ -47,9 +49,9 @@ class Bodies(NamedTuple):
         First moment about the origin [kg m].
     first_mode, first_entry : ndarray, shape (n + 1,)
         First mode of each body, first entry of it in `coupling`, and the numbers of both.
-    T : ndarray, shape (2, k)
+    T : ndarray, shape (2, k + r)
         Change of the first moments with the modes [kg^1/2].
-    b, g : ndarray, shape (k,)
+    b, g : ndarray, shape (k + r,)
         Change of half the moment of inertia, angular momentum of the modes [kg^1/2 m].
     coupling : ndarray, shape (entries,)
         B and below it G of each body, which has 2 j j entries for j modes [-].

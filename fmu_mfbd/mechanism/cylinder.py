@@ -2,7 +2,8 @@
 
 Its coordinates are x_A, the rocking angle, then with a floating pin those of `PIN`, crank pin from
 the rod's big end (x, y) and journal from the main bearing (x, y) if they have a film. Modes of the
-piston follow, then shapes of the pin along x and along y, modes of eye, big end and main bearing.
+piston follow, first those with inertia, then modes of the block, shapes of the pin along x and
+along y, modes of eye, big end and main bearing.
 
 Relative coordinates keep the digits of a pin that moves by micrometres in its films. The rod stays
 on the crank without a constraint to drift from. The modes of shells have the inertia of their own
@@ -16,11 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
+from ..dynamics.bdf2 import BY_BDF2, STATIC
 from ..dynamics.carrier import FIXED
 from ..dynamics.floating_frame import Arrow, FlexibleBody, X, Y
 from ..dynamics.generalised_alpha import Motion
 from ..dynamics.modal_damping import ModalSprings
 from ..dynamics.piston_motion import LATERAL, RIGID, ROCKING
+from ..dynamics.quasi_static import StaticModes
 from ..dynamics.slider_crank import CrankMotion, Mechanism
 from ..geometry.pin import PIN_SURFACES
 from .chain import BLOCK, NONE, Bodies, Chain, Elements, Joints
@@ -69,6 +72,9 @@ class CylinderParts(NamedTuple):
     Parameters
     ----------
     piston : FlexibleBody
+        With the modes that have inertia.
+    static : StaticModes
+        Its other modes.
     mechanism : Mechanism
     spin_inertia : float
         Of the pin about its axis [kg m2].
@@ -79,12 +85,15 @@ class CylinderParts(NamedTuple):
     floats, big_end, main_bearing : bool
         Which of pin, big end and main bearing have films; the latter two only with the first.
     springs : ModalSprings
-        Of the pin's shapes and of the modes of all shells.
+        Of the static modes, of the block, of the pin's shapes and of the modes of all shells.
+    block_modes, block_static : int
+        Number of modes of the block, and of those without inertia at their end.
     shapes, big_end_modes, main_bearing_modes : int
         Number of shapes along each axis, and of the last modes in `springs`.
     """
 
     piston: FlexibleBody
+    static: StaticModes
     mechanism: Mechanism
     spin_inertia: float
     crank_mass: float
@@ -93,6 +102,8 @@ class CylinderParts(NamedTuple):
     big_end: bool
     main_bearing: bool
     springs: ModalSprings
+    block_modes: int
+    block_static: int
     shapes: int
     big_end_modes: int
     main_bearing_modes: int
@@ -133,7 +144,14 @@ def _bodies_of(c):
     for i in range(k):
         for j in range(k):
             coupling[0, i, j], coupling[1, i, j] = c.piston.B[i, j], c.piston.G[i, j]
-    s = len(c.springs.stiffness)
+    s, static = len(c.springs.stiffness), len(c.static.stiffness)
+    by_frame = np.empty((4, k + static))
+    for i in range(k):
+        by_frame[0, i], by_frame[1, i] = c.piston.T[X, i], c.piston.T[Y, i]
+        by_frame[2, i], by_frame[3, i] = c.piston.b[i], c.piston.g[i]
+    for i in range(static):
+        by_frame[0, k + i], by_frame[1, k + i] = c.static.T[X, i], c.static.T[Y, i]
+        by_frame[2, k + i], by_frame[3, k + i] = c.static.b[i], c.static.g[i]
     springs = np.empty((2, k + s))
     for i in range(k):
         springs[0, i], springs[1, i] = c.piston.stiffness[i], c.piston.damping[i]
@@ -145,9 +163,9 @@ def _bodies_of(c):
         S,
         modes[0],
         modes[1],
-        c.piston.T.copy(),
-        c.piston.b.copy(),
-        c.piston.g.copy(),
+        by_frame[:2].copy(),
+        by_frame[2],
+        by_frame[3],
         coupling.reshape(2 * k * k),
         springs[0],
         springs[1],
@@ -216,10 +234,10 @@ def _elements_of(c, joints):
         point=np.zeros((n, 2)),
         at_point=np.zeros(n),
     )
-    first, k = joints.tip.shape[1], len(c.piston.stiffness)
-    bent = first + k
+    first, k = joints.tip.shape[1], len(c.piston.stiffness) + len(c.static.stiffness)
+    bent = first + k + c.block_modes
     eye = bent + 2 * c.shapes
-    main = bent + len(c.springs.stiffness) - c.main_bearing_modes
+    main = first + len(c.piston.stiffness) + len(c.springs.stiffness) - c.main_bearing_modes
     big_end = main - c.big_end_modes
     for e in range(films):
         if e < EYE:
@@ -259,20 +277,25 @@ def film_of(chain: Chain, body: int) -> int:
 
 
 @compilable
-def by_bdf2(chain: Chain) -> np.ndarray:
-    """Return 1 for each coordinate that follows BDF2, else 0, shape (m + k,).
+def integrators(c: CylinderParts, chain: Chain) -> np.ndarray:
+    """Return the time integrator of each coordinate, as of `bdf2.reach_of`, shape (m + k,).
 
-    With a floating pin these are its plays and all modes: they are so stiff that a step does not
-    resolve their inertia.
+    With a floating pin, plays and modes follow BDF2: they are so stiff that a step does not resolve
+    their inertia.
     """
     m = chain.joints.tip.shape[1]
     out = np.zeros(m + len(chain.bodies.stiffness))
     for first in chain.joints.play:
         if first >= 0:
             for j in range(first, first + 2):
-                out[j] = 1.0
+                out[j] = BY_BDF2
             for j in range(m, len(out)):
-                out[j] = 1.0
+                out[j] = BY_BDF2
+    block = m + len(c.piston.stiffness) + len(c.static.stiffness)
+    for j in range(m + len(c.piston.stiffness), block):
+        out[j] = STATIC
+    for j in range(block + c.block_modes - c.block_static, block + c.block_modes):
+        out[j] = STATIC
     return out
 
 
@@ -308,6 +331,7 @@ def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
     chain = cylinder_chain(
         CylinderParts(
             c.piston,
+            c.static,
             upright,
             c.spin_inertia,
             of_rod * c.crank_mass,
@@ -316,6 +340,8 @@ def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
             c.big_end,
             c.main_bearing,
             c.springs,
+            c.block_modes,
+            c.block_static,
             c.shapes,
             c.big_end_modes,
             c.main_bearing_modes,
@@ -327,4 +353,10 @@ def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
     loads = no_loads(chain)
     forces = chain_forces(chain, loads, still, CrankMotion(0.0, 0.0, 0.0), FIXED)
     by = Increments(none, none, np.ones(m + k))
-    return chain_tangent(chain, loads, still, forces, by)  # Eqs. (D22), (D35)
+    arrow = chain_tangent(chain, loads, still, forces, by)  # Eqs. (D22), (D35)
+    kinds = integrators(c, chain)
+    for i in range(k):
+        if kinds[m + i] == STATIC:
+            arrow.diagonal[i] = 0.0
+            arrow.left[i] = 0.0
+    return arrow

@@ -45,17 +45,17 @@ class FrameState(NamedTuple):
 
 
 class InertiaForces(NamedTuple):
-    """Forces that the motion of n bodies with k modes needs, and what their derivative shares.
+    """Forces that the motion of n bodies with k + s modes needs, and what their derivative shares.
 
     Parameters
     ----------
     wrench : ndarray, shape (n, 3)
         Force in the block's axes [N], moment about the body's origin [N m].
-    modal : ndarray, shape (k,)
+    modal : ndarray, shape (k + s,)
         [kg^-1/2 N]
     frames : ndarray, shape (n, 10)
         A `FrameState` of each body.
-    bq, gq, gv : ndarray, shape (k,)
+    bq, gq, gv : ndarray, shape (k + s,)
         b + B q and g + G q [kg^1/2 m], G q' [kg^1/2 m/s].
     carrier : Carrier
         Motion of the block.
@@ -106,6 +106,7 @@ def inertia_forces(
     Eqs. (D1) to (D3) of each body, at the acceleration of its origin in space (Eq. (K14)).
 
     Eq. (D40):  q'' + D q' + omega^2 q      of modes with the inertia of their own motion alone
+    Those of them that deflect the last body carry the motion of its frame, see Eq. (D6).
 
     Parameters
     ----------
@@ -156,6 +157,8 @@ def _put_frames(bodies, at, now, m, out):
         begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
         if end > begin:
             _add_modes(bodies, b, begin, end, now, m, frame, out)
+    for i in range(bodies.first_mode[-1], len(bodies.b)):
+        out.bq[i], out.gq[i], out.gv[i] = bodies.b[i], bodies.g[i], 0.0
 
 
 @compilable
@@ -210,6 +213,11 @@ def _put_forces(bodies, at, now, m, out):
         # Eq. (D40)
         held = bodies.damping[i] * now.velocity[m + i] + bodies.stiffness[i] * now.position[m + i]
         out.modal[i] = now.acceleration[m + i] + held
+    f = frame_state(out.frames, len(bodies.mass) - 1)
+    for i in range(bodies.first_mode[-1], len(bodies.b)):
+        # Eq. (D6)
+        out.modal[i] += bodies.T[X, i] * f.ax + bodies.T[Y, i] * f.ay
+        out.modal[i] += f.alpha * bodies.g[i] - f.w * f.w * bodies.b[i]
 
 
 @compilable
@@ -330,7 +338,9 @@ def _put_joint_columns(bodies, at, forces, d, out):
             out.wrench[b, X, j] = c * x - s * y - force_y * t
             out.wrench[b, Y, j] = s * x + c * y + force_x * t
             out.wrench[b, TURN, j] = f.sx * ay - f.sy * ax + alpha * f.inertia + 2 * dw * f.spin
-        for i in range(bodies.first_mode[b], bodies.first_mode[b + 1]):
+        is_last = b == len(frames) - 1
+        end = len(bodies.b) if is_last else bodies.first_mode[b + 1]
+        for i in range(bodies.first_mode[b], end):
             x, y, gq = bodies.T[X, i], bodies.T[Y, i], forces.gq[i]
             spun = 2 * (forces.gv[i] - w * forces.bq[i])
             for j in range(frames.shape[2]):

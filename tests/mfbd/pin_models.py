@@ -138,6 +138,38 @@ def yielding_bodies(young=1.0):
     return ReducedBodies(piston, block, ReducedBosses(outward, onward, stations, 18e-3))
 
 
+BLOCK_MODES = 4
+
+
+def flexible_block(young=1.0):
+    """Return a block with four modes of no symmetry, `young` times as stiff."""
+    rng = np.random.default_rng(5)
+    heights = np.linspace(90e-3, 360e-3, 64)
+    a = shell_angles(GRID[0])
+    wave = np.array([np.cos(n * a + p) for n, p in ((2, 0.7), (1, -0.5), (3, 0.1), (0, 0))]).T
+    along = np.array([1 + 0.4 * np.sin(20 * heights + p) for p in rng.random(BLOCK_MODES)]).T
+    radial = 0.5 * wave[:, None] * along
+    return ReducedBlock(
+        omega=np.sqrt(young) * np.array([1.3e4, 2.2e4, 4.1e4, 8e4]),
+        kind=np.full(BLOCK_MODES, -1),
+        radial=radial,
+        axial=0.2 * np.roll(radial, 3, axis=0),
+        heights=heights,
+        radius=55e-3,
+    )
+
+
+RINGS = dict(top_ring_height=60e-3, second_ring_height=50e-3, land_pressure_share=0.3)
+"""Gas on the bore."""
+
+
+def block_model(young=1.0, parameters=PARAMETERS):
+    """Return a model of a rigid piston and a floating pin in a flexible block."""
+    reduced = bodies()._replace(block=flexible_block(young))
+    parameters = dataclasses.replace(parameters, **RINGS)
+    return assemble_floating(reduced, options(True), parameters, OwnParameters(PinParameters()))
+
+
 def yielding_model(young=1.0, parameters=PARAMETERS):
     own = OwnParameters(PinParameters())
     return assemble_floating(yielding_bodies(young), options(True), parameters, own)
@@ -215,14 +247,20 @@ def crank_options(names, modes=0):
     return dataclasses.replace(options(True), crank_bearings=bearings)
 
 
-def crank_model(names=SETS[-1], yielding=False, young=1.0, **changes):
+def crank_model(names=SETS[-1], yielding=False, young=1.0, shapes=0, **changes):
+    """Return a model with films of the crank; with shapes of the pin also in a flexible block."""
     parameters = dataclasses.replace(PARAMETERS, crank_unbalance=UNBALANCE, **changes)
     reduced = bodies()
     if yielding:
         shells = {name: small_end(young, GRIDS[name], RADII[name]) for name in names}
         reduced = yielding_bodies()._replace(shells={"small_end": small_end()} | shells)
-    own = OwnParameters(PinParameters(), crank={name: OWN[name] for name in names})
+    crank = {name: OWN[name] for name in names}
+    own = OwnParameters(PinParameters(), AXIS if shapes else None, crank)
     built = crank_options(names, SHELL_MODES if yielding else 0)
+    if shapes:
+        reduced = reduced._replace(block=flexible_block())
+        bent = dataclasses.replace(built.floating_pin, pin_shapes=shapes)
+        built = dataclasses.replace(built, floating_pin=bent)
     return assemble_floating(reduced, built, parameters, own)
 
 
@@ -233,6 +271,8 @@ MODELS = {
     "bending in bosses": bending_in_bosses,
     "eye": eye_model,
     "bending, bosses, eye": all_that_yields,
+    "block": block_model,
+    "all flexible": lambda: crank_model(yielding=True, shapes=3),
 } | {
     "+".join(names) + " that yield" * yielding: lambda n=names, y=yielding: crank_model(n, y)
     for names in SETS

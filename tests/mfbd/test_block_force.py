@@ -56,7 +56,8 @@ def all_momentum(model, position, velocity, crank):
     A_v, pin_v, rod_v, journal_v, u_v = derivative(lambda t: at(t)[0], 0.0, 1e-4)
     rod_turn = derivative(lambda t: at(t)[1], 0.0, 1e-4)
     w, axes = velocity[1], turned(position[1])
-    q, dq = of_skirt(chain, position)[2:], of_skirt(chain, velocity)[2:]
+    parts, modes = model.model.parts, slice(2, 2 + len(piston.stiffness))
+    q, dq = of_skirt(parts, position)[modes], of_skirt(parts, velocity)[modes]
     s = axes @ (piston.S + piston.T @ q)
     s_v = w * np.array([-s[1], s[0]]) + axes @ piston.T @ dq
     spread = piston.I0 + 2 * piston.b @ q + q @ piston.B @ q

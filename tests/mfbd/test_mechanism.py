@@ -7,6 +7,7 @@ import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.dynamics.quasi_static import standing
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.mechanism.chain import Element, Link, chain_of
 from piston_cosim.fmu_mfbd.mechanism.cylinder import CylinderParts, cylinder_chain
@@ -135,6 +136,7 @@ def test_a_cylinder_is_the_chain_by_names(modes, films):
     own = cylinder_chain(
         CylinderParts(
             piston=piston,
+            static=standing(np.zeros(0)),
             mechanism=MECHANISM,
             spin_inertia=SPIN_INERTIA,
             crank_mass=CRANK_MASS,
@@ -143,6 +145,8 @@ def test_a_cylinder_is_the_chain_by_names(modes, films):
             big_end=films,
             main_bearing=films,
             springs=springs((2 * SHAPES + 3 * SHELL_MODES) * films),
+            block_modes=0,
+            block_static=0,
             shapes=SHAPES * films,
             big_end_modes=SHELL_MODES * films,
             main_bearing_modes=SHELL_MODES * films,

@@ -17,11 +17,14 @@ from piston_cosim.fmu_mfbd.native import INTEGERS
 from piston_cosim.fmu_mfbd.reduction.reduced_body import save
 
 from .pin_models import (
+    BLOCK_MODES,
     GRID,
     MODES,
     PARAMETERS,
     PIN_GRID,
+    RINGS,
     SHELL_MODES,
+    flexible_block,
     small_end,
     yielding_bodies,
 )
@@ -36,6 +39,7 @@ VALUES = {
             start_crank_angle=0.3,
             start_lateral_displacement=2e-6,
             start_rocking_angle=1e-4,
+            **RINGS,
         )
     ).items()
     if name not in INTEGERS  # choices, by their numbers
@@ -45,9 +49,9 @@ CRANK = {"big_end": (10, 3), "main_bearing": (8, 4)}
 
 
 def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3)):
-    """Folder of a slave's resources; bosses, eye and shells of the crank yield."""
-    piston, block, bosses, _ = yielding_bodies()
-    parts = {"piston": piston, "block": block, "bosses": bosses}
+    """Folder of a slave's resources; bosses, block, eye and shells of the crank yield."""
+    piston, _, bosses, _ = yielding_bodies()
+    parts = {"piston": piston, "block": flexible_block(), "bosses": bosses}
     parts["eye"] = small_end(radius=eye_radius)
     for (name, grid), radius in zip(CRANK.items(), shell_radii):
         parts[name] = small_end(1.0, grid, radius)
@@ -68,7 +72,7 @@ def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3)):
     options = BuildOptions(
         GRID,
         PistonOptions("piston.npz", MODES, 1e-3),
-        BlockOptions("block.npz", 0),
+        BlockOptions("block.npz", BLOCK_MODES),
         floating_pin=pin,
         crank_bearings=crank,
     )
