@@ -37,7 +37,7 @@ from .dynamics.assembly import (
     load_bodies,
     setup_of,
 )
-from .dynamics.block_force import BlockForce, force_change
+from .dynamics.block_force import BlockForce
 from .dynamics.carrier import FIXED, carrier_from
 from .dynamics.contradictions import FAULT, FAULTS, check
 from .dynamics.drive import Scalars
@@ -548,8 +548,7 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     motion = change.lateral_velocity, change.rocking_velocity, change.piston_velocity
     put_each(real, places.motion_product, motion)
     if model.mounted:
-        force = force_change(model.parts.system, last, change, carried)
-        put_each(real, places.on_block_product, force)
+        put_each(real, places.on_block_product, found.on_block)
 
 
 PART = NativePart(

@@ -309,8 +309,6 @@ class Common(BuildTable):
     def _of_floating_pin(self):
         if self.floating_pin and self.start:
             raise ValueError(f"start: expected nothing with floating_pin, got {self.start!r}")
-        if self.floating_pin and self.mounted:
-            raise ValueError("mounted: expected false with floating_pin, got true")
         if self.floating_pin and (eye := self.floating_pin.small_end):
             where, grid = "floating_pin.small_end.", self.floating_pin.grid
             if faults := shell_faults(where, eye.modes, grid):

@@ -40,6 +40,9 @@ class BlockForce(NamedTuple):
     ]
 
 
+NO_FORCE = BlockForce(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
 @compilable
 def block_force(load: Load, on_block: np.ndarray) -> BlockForce:
     """Return the forces on the block, or their change.
@@ -92,7 +95,7 @@ def force_change(
 ) -> BlockForce:
     """Return the change of the forces on the block.
 
-    Eq. (D20):  dF = F_Q dQ + F_q'' dq''       F of Eq. (D25), dq'' of Eq. (D7)
+    It is that of Eq. (D20).
 
     Parameters
     ----------

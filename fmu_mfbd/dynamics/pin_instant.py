@@ -13,15 +13,20 @@ from ..geometry.pin import PinForces, diameters, yielded
 from ..geometry.surfaces import pin_surface_at
 from ..mechanism.chain import Chain, Loads
 from ..mechanism.cylinder import BODY, EYE, PIN, film_of
-from ..mechanism.equations import ChainForces, chain_tangent, forces_at
+from ..mechanism.equations import chain_derivative, forces_at
 from ..mechanism.loads import MOMENT, REACTION, HeldForces, loads_at
 from ..mechanism.motion import Increments, chain_motion
-from ..mechanism.solution import ChainFactors, arrow_product, factorise_chain, solve_coupled
+from ..mechanism.solution import (
+    Linearisation,
+    arrow_product,
+    factorise_chain,
+    solve_coupled,
+)
 from .bdf2 import STATIC, auxiliary_after, limit_plays, predicted_of, reach_of
-from .block_force import BlockForce
+from .block_force import BlockForce, block_force
 from .carrier import Carrier
 from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
-from .floating_frame import TURN, X, Y
+from .floating_frame import X, Y
 from .gas_on_bore import wall_forces
 from .generalised_alpha import Motion, Prediction
 from .impact import limit_memory, longest_step
@@ -44,9 +49,7 @@ class PinSolution(NamedTuple):
     ----------
     end : Motion
     loads : Loads
-    forces : ChainForces
-    factors : ChainFactors
-        Of the tangent there.
+    linear : Linearisation
     evaluations : int
         0 where the equations were not solved.
     change : float
@@ -55,8 +58,7 @@ class PinSolution(NamedTuple):
 
     end: Motion
     loads: Loads
-    forces: ChainForces
-    factors: ChainFactors
+    linear: Linearisation
     evaluations: int
     change: float
 
@@ -124,8 +126,8 @@ class PinInstant(NamedTuple):
     work_error : ndarray, shape (films,)
         Power of each film on its grid minus that in the coordinates, relative [-].
     scalars : PinScalars
-    factors : ChainFactors
-        Of the tangent, for derivatives.
+    linear : Linearisation
+        For derivatives.
     on_block : BlockForce
     """
 
@@ -134,7 +136,7 @@ class PinInstant(NamedTuple):
     circumferential_velocity: np.ndarray
     work_error: np.ndarray
     scalars: PinScalars
-    factors: ChainFactors
+    linear: Linearisation
     on_block: BlockForce
 
 
@@ -180,7 +182,8 @@ def solved(
         at = chain_motion(chain.joints, end, crank)
         loads = loads_at(chain, held, at, end)
         forces = forces_at(chain, loads, at, end, carrier)
-        factors = factorise_chain(chain_tangent(chain, loads, end, forces, by))
+        derivative = chain_derivative(chain, loads, end, forces, by)
+        factors = factorise_chain(derivative.arrow)
         step = solve_coupled(chain.bodies, at, carrier, by, factors, forces.residual)
         size = largest(unknown)
         left = largest(step)
@@ -192,7 +195,8 @@ def solved(
             break
         for k in range(n):
             unknown[k] -= step[k]
-    return PinSolution(end, loads, forces, factors, evaluations, change)
+    linear = Linearisation(forces, factors, derivative.on_block)
+    return PinSolution(end, loads, linear, evaluations, change)
 
 
 @compilable
@@ -267,12 +271,14 @@ def pin_scalars(of: PinSystem, now: Motion, loads: Loads) -> PinScalars:
 
 
 @compilable
-def _block_force(chain, loads, forces):
-    """Return the forces on the block, those on the main bearing from its film or joint."""
+def _on_block(chain, load, loads, on_block):
+    """Return the forces on the block, that of a film in the main bearing to its last digit."""
+    force = block_force(load, on_block)
     film = film_of(chain, BODY.crank)
-    on_crank = loads.wrench[film] if film >= 0 else forces.joints[BODY.crank]
-    x, y = -on_crank[X], -on_crank[Y]
-    return BlockForce(forces.on_block[X], forces.on_block[Y], forces.on_block[TURN], x, y)
+    if film < 0:
+        return force
+    x, y = -loads.wrench[film, X], -loads.wrench[film, Y]
+    return BlockForce(force.force_on_block_x, force.force_on_block_y, force.moment_on_block, x, y)
 
 
 @compilable
@@ -359,7 +365,7 @@ def end_of_pin_step(
     predicted = predicted_of(c, before, auxiliary, mean_velocity, of.kinds)
     by = reach_of(c, of.kinds)
     solution = solved(of, predicted, before.acceleration, by, held, others.carrier, crank)
-    end, loads, at = solution.end, solution.loads, solution.forces.motion
+    end, loads, at = solution.end, solution.loads, solution.linear.forces.motion
     carried = auxiliary_after(c, predicted, before, end, of.kinds)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
     piston = rigid_piston(system, 0.0)
@@ -402,7 +408,7 @@ def end_of_pin_step(
             pin_x=-on_pin[X],
             pin_y=-on_pin[Y] - on_skirt.on_slopes,
             pin_moment=on_pin[REACTION],
-            torque=solution.forces.torque - on_skirt.on_slopes * upright.lever,
+            torque=solution.linear.forces.torque - on_skirt.on_slopes * upright.lever,
             pin_friction_power=on_pins.friction_power,
             evaluations=solution.evaluations,
             tangents=solution.evaluations,
@@ -413,8 +419,8 @@ def end_of_pin_step(
         on_pins.circumferential_velocity,
         on_pins.work_error,
         pin_scalars(of, kept, loads),
-        solution.factors,
-        _block_force(chain, loads, solution.forces),
+        solution.linear,
+        _on_block(chain, load, loads, solution.linear.forces.on_block),
     )
 
 

@@ -8,12 +8,13 @@ from ...master.fmi.compiled import compiled
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..mechanism.cylinder import BODY
-from ..mechanism.equations import load_rows
+from ..mechanism.equations import pushed_forces
 from ..mechanism.loads import loads_at
-from ..mechanism.motion import chain_motion, changes_along, motion_changes
+from ..mechanism.motion import changes_along, motion_changes
 from ..mechanism.solution import solve_coupled
 from .bdf2 import reach_of
-from .carrier import FIXED
+from .block_force import BlockForce, block_force
+from .carrier import Carrier
 from .floating_frame import Y
 from .generalised_alpha import Motion
 from .pin_films import PinSystem, held_forces, pin_changes
@@ -33,11 +34,13 @@ class PinResponse(NamedTuple):
         Of piston and skirt.
     film_thickness, circumferential_velocity : ndarray, shape (cells,)
         Of all films of pin and crank, stacked [m], [m/s].
+    on_block : BlockForce
     """
 
     change: Response
     film_thickness: np.ndarray
     circumferential_velocity: np.ndarray
+    on_block: BlockForce
 
 
 @compiled
@@ -47,16 +50,18 @@ def respond_pin(
     skirt_forces: NodalForces,
     rings: RingForce,
     forces: PinForces,
+    carrier: Carrier,
 ) -> PinResponse:
-    """Return the change of films and motion at the end of a step with the forces there.
+    """Return the change at the end of a step with the forces there and the block's motion.
 
     Eq. (D23):  J dq'' = -dr,   dq = c2 dq'',   dq' = c1 dq''       J, r of Eq. (D61)
+    Eq. (D20):  dF = F_Q dQ + F_q'' dq''       F of Eq. (D25)
 
     Parameters
     ----------
     of : PinSystem
     last : StepEnd
-    skirt_forces, rings, forces
+    skirt_forces, rings, forces, carrier
         Directions; nodal forces stacked [N].
 
     Returns
@@ -64,15 +69,16 @@ def respond_pin(
     PinResponse
     """
     system, chain = of.system, of.chain
-    end, guided, carrier = last.now, last.guided, last.load.carrier
+    end, guided, own = last.now, last.guided, last.linear
     n = len(end.position)
     skirt = together(forces_by_film(system, guided, skirt_forces))
-    change = load_change(system, skirt, rings, on_modes(skirt), FIXED)
-    at = chain_motion(chain.joints, end, last.crank)
+    change = load_change(system, skirt, rings, on_modes(skirt), carrier)
+    at, block = own.forces.motion, own.forces.inertia.carrier
     by = reach_of(last.coefficients, of.kinds)
-    right = load_rows(chain, loads_at(chain, held_forces(of, change, forces), at, end), at)
+    loads = loads_at(chain, held_forces(of, change, forces), at, end)
+    pushed = pushed_forces(chain, own.forces, end, loads, carrier)
     # Eq. (D23)
-    acceleration = solve_coupled(chain.bodies, at, carrier, by, last.factors, right)
+    acceleration = solve_coupled(chain.bodies, at, block, by, own.factors, pushed.residual)
     moved = Motion(np.empty(n), np.empty(n), acceleration)
     for k in range(n):
         acceleration[k] = -acceleration[k]
@@ -80,11 +86,14 @@ def respond_pin(
         moved.velocity[k] = by.velocity[k] * acceleration[k]
     bodies = changes_along(motion_changes(chain.joints, at, by), acceleration)
     rising = bodies.velocity[BODY.piston, Y]
+    on_block = own.on_block @ acceleration
+    for k in range(len(on_block)):
+        on_block[k] += pushed.on_block[k]  # Eq. (D20)
     place, speed = of_skirt(of, moved.position), of_skirt(of, moved.velocity)
     first = RIGID + len(skirt.piston)
     piston = Change(place[:first], speed[:first])
-    block = Change(place[first:], speed[first:])
-    on_skirt = skirt_changes(system, guided, rising, piston, block)
+    bore = Change(place[first:], speed[first:])
+    on_skirt = skirt_changes(system, guided, rising, piston, bore)
     on_pins = pin_changes(of, at, end, moved, bodies)
     return PinResponse(
         Response(
@@ -98,4 +107,5 @@ def respond_pin(
         ),
         on_pins.film_thickness,
         on_pins.sliding_velocity,
+        block_force(change, on_block),
     )

@@ -15,7 +15,7 @@ from ..mechanism.equations import (
 )
 from ..mechanism.inertia import ALPHA, AX, AY, W
 from ..mechanism.motion import Increments, increments_of
-from ..mechanism.solution import ChainFactors, factorise_chain, solve_coupled
+from ..mechanism.solution import Linearisation, factorise_chain, solve_coupled
 from ..mechanism.tied_pin import PISTON, loads_of, tied_forces
 from .carrier import Carrier
 from .floating_frame import Y
@@ -39,8 +39,8 @@ class StepEnd(NamedTuple):
     now : Motion
         Of the piston's moving coordinates, with a floating pin of all.
     crank : CrankMotion
-    factors : ChainFactors
-        Of the tangent of a floating pin.
+    linear : Linearisation
+        Of a floating pin.
     """
 
     coefficients: Coefficients
@@ -48,7 +48,7 @@ class StepEnd(NamedTuple):
     load: Load
     now: Motion
     crank: CrankMotion
-    factors: ChainFactors
+    linear: Linearisation
 
 
 class Sensitivity(NamedTuple):
@@ -70,7 +70,7 @@ def sensitivity(system: BodySystem, last: StepEnd, change: Load, carrier: Carrie
     forces = tied_forces(chain, last.load, last.now, last.crank)
     by = increments_of(last.coefficients, len(last.now.position))
     derivative = chain_derivative(chain, loads, last.now, forces, by)
-    pushed = pushed_forces(chain, forces, loads_of(change), carrier)
+    pushed = pushed_forces(chain, forces, last.now, loads_of(change), carrier)
     return Sensitivity(forces, by, derivative, pushed)
 
 

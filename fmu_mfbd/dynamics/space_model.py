@@ -11,6 +11,7 @@ import numpy as np
 
 from ..geometry.film import NodalForces
 from ..geometry.space import Levers, levers, slope_around
+from .block_force import NO_FORCE
 from .carrier import FIXED
 from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
 from .generalised_alpha import Coefficients, Motion, predict
@@ -365,7 +366,7 @@ class PistonInSpace(PistonInBore):
             acceleration,
             plane,
         )
-        return PinResponse(found, NO_MODES, NO_MODES)
+        return PinResponse(found, NO_MODES, NO_MODES, NO_FORCE)
 
 
 def on_cells(fields: Iterable[np.ndarray]) -> np.ndarray:

@@ -9,10 +9,10 @@ from ...master.fmi.compiled import compilable
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import pins_of
-from ..mechanism.solution import no_chain_factors
+from ..mechanism.solution import no_linearisation
 from ..mechanism.tied_pin import tied_forces
 from .account import EnergyAccount, account
-from .block_force import BlockForce
+from .block_force import NO_FORCE, BlockForce, force_change
 from .carrier import Carrier, carrier_from
 from .contradictions import FAULT
 from .drive import Scalars, demand_of, moved_inertia, scalars_of
@@ -263,7 +263,7 @@ def instant_of(model: BodyModel, step: StepProblem, inputs: StepInputs) -> PinIn
 def tied(now: Instant, on_block: BlockForce) -> PinInstant:
     """Return an instant of a piston whose pin is tied."""
     none = np.zeros(0)
-    return PinInstant(now, none, none, none, NO_PIN, no_chain_factors(), on_block)
+    return PinInstant(now, none, none, none, NO_PIN, no_linearisation(), on_block)
 
 
 @compilable
@@ -299,7 +299,7 @@ def result_of(
         moving = len(now.end.position)
     position, velocity, acceleration = now.end
     motion = Motion(position[:moving], velocity[:moving], acceleration[:moving])
-    last = StepEnd(step.coefficients, now.guided, now.load, motion, crank, instant.factors)
+    last = StepEnd(step.coefficients, now.guided, now.load, motion, crank, instant.linear)
     torque = now.torque + settings.crank_inertia * crank.acceleration
     jerk = 0.0
     if settings.crank_free != 0.0:
@@ -373,9 +373,12 @@ def response_to(
     See Eqs. (D7) and (D23).
     """
     system = model.parts.system
-    if has_pins(model):
-        return respond_pin(model.parts, last, seeds.skirt, seeds.rings, seeds.pins)
-    none = np.zeros(0)
     carrier = carrier_from(carried)
+    if has_pins(model):
+        return respond_pin(model.parts, last, seeds.skirt, seeds.rings, seeds.pins, carrier)
+    none = np.zeros(0)
     found = response(system, last, seeds.skirt, seeds.rings, carrier)
-    return PinResponse(found, none, none)
+    on_block = NO_FORCE
+    if model.mounted:
+        on_block = force_change(system, last, found, carried)
+    return PinResponse(found, none, none, on_block)

@@ -10,6 +10,7 @@ from ..dynamics.floating_frame import TURN, Arrow, X, Y
 from ..dynamics.generalised_alpha import Motion
 from ..dynamics.pin_friction import PinMoment, friction_moment, pin_friction_from
 from ..dynamics.slider_crank import CrankMotion
+from ..geometry.arrays import Matrix, Vector
 from .chain import LEVER, VISCOUS, Chain, Elements, Joints, Loads
 from .inertia import (
     ALPHA,
@@ -43,10 +44,10 @@ class ChainForces(NamedTuple):
     inertia : InertiaForces
     """
 
-    residual: np.ndarray
+    residual: Vector
     torque: float
-    on_block: np.ndarray
-    joints: np.ndarray
+    on_block: Vector
+    joints: Matrix
     motion: ChainMotion
     inertia: InertiaForces
 
@@ -515,13 +516,17 @@ class PushedForces(NamedTuple):
 
 
 @compilable
-def pushed_forces(chain: Chain, forces: ChainForces, loads: Loads, given: Carrier) -> PushedForces:
+def pushed_forces(
+    chain: Chain, forces: ChainForces, now: Motion, loads: Loads, given: Carrier
+) -> PushedForces:
     """Compute the derivative of all forces in a direction of loads and of a given block's motion.
 
     Parameters
     ----------
     chain : Chain
     forces : ChainForces
+    now : Motion
+        Of all m + k coordinates.
     loads, given : Loads, Carrier
         The direction.
 
@@ -550,4 +555,6 @@ def pushed_forces(chain: Chain, forces: ChainForces, loads: Loads, given: Carrie
     for k in range(len(loads.modal)):
         residual[m + k] = inertia.left[k, 0] - loads.modal[k]
     total[TURN, 0] -= torque
+    for e in range(len(loads.on_shapes) if loads.on_shapes.shape[1] > 0 else 0):
+        total[TURN, 0] += moment_of_shapes(chain.elements, loads, now, e)
     return PushedForces(residual, torque, -total[:, 0], inertia.frames)

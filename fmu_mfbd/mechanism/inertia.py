@@ -8,6 +8,7 @@ from ...master.fmi.compiled import compilable
 from ..dynamics.carrier import Carrier, transport
 from ..dynamics.floating_frame import TURN, X, Y
 from ..dynamics.generalised_alpha import Motion
+from ..geometry.arrays import Matrix, Vector
 from .chain import Bodies
 from .motion import ChainMotion, Increments, MotionChanges
 
@@ -61,12 +62,12 @@ class InertiaForces(NamedTuple):
         Motion of the block.
     """
 
-    wrench: np.ndarray
-    modal: np.ndarray
-    frames: np.ndarray
-    bq: np.ndarray
-    gq: np.ndarray
-    gv: np.ndarray
+    wrench: Matrix
+    modal: Vector
+    frames: Matrix
+    bq: Vector
+    gq: Vector
+    gv: Vector
     carrier: Carrier
 
 

@@ -8,7 +8,7 @@ from ...master.fmi.compiled import compilable
 from ..dynamics.floating_frame import TURN, X, Y
 from ..dynamics.generalised_alpha import Coefficients, Motion
 from ..dynamics.slider_crank import CrankMotion
-from ..geometry.arrays import Vector
+from ..geometry.arrays import Matrix, Vector
 from .chain import Joints
 
 
@@ -47,11 +47,11 @@ class ChainMotion(NamedTuple):
         Of the origins [m/s], [m/s2] and of the angles [rad/s], [rad/s2].
     """
 
-    axes: np.ndarray
-    arm: np.ndarray
-    position: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
+    axes: Matrix
+    arm: Matrix
+    position: Matrix
+    velocity: Matrix
+    acceleration: Matrix
 
 
 class MotionChanges(NamedTuple):

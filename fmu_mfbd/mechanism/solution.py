@@ -10,11 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..dynamics.carrier import Carrier
+from ..dynamics.carrier import FIXED, Carrier
 from ..dynamics.elimination import LUFactors, factorise, no_factors, substitute
 from ..dynamics.floating_frame import TURN, Arrow, X, Y
 from ..dynamics.generalised_alpha import Motion, Prediction
 from ..dynamics.slider_crank import CrankMotion
+from ..geometry.arrays import Matrix
 from .chain import LEVER, Bodies, Chain, Loads
 from .equations import (
     ChainForces,
@@ -22,7 +23,7 @@ from .equations import (
     chain_forces,
     point_of,
 )
-from .inertia import coupling_of, frame_state
+from .inertia import InertiaForces, coupling_of, frame_state
 from .motion import ChainMotion, Increments
 
 PASSES = 80
@@ -229,6 +230,33 @@ def no_chain_factors() -> ChainFactors:
     """Return those of a system that has none."""
     none = np.zeros((0, 0))
     return ChainFactors(Arrow(none, none, np.zeros(0)), no_factors())
+
+
+class Linearisation(NamedTuple):
+    """The end of a step and its derivative by the unknowns of the time integrator.
+
+    Parameters
+    ----------
+    forces : ChainForces
+    factors : ChainFactors
+        Of the tangent.
+    on_block : ndarray, shape (3, m + k)
+        Of `ChainForces.on_block`.
+    """
+
+    forces: ChainForces
+    factors: ChainFactors
+    on_block: Matrix
+
+
+@compilable
+def no_linearisation() -> Linearisation:
+    """Return that of a system that has none."""
+    table, row = np.zeros((0, 0)), np.zeros(0)
+    motion = ChainMotion(table, table, table, table, table)
+    inertia = InertiaForces(table, row, table, row, row, row, FIXED)
+    forces = ChainForces(row, 0.0, row, table, motion, inertia)
+    return Linearisation(forces, no_chain_factors(), table)
 
 
 @compilable

@@ -209,10 +209,6 @@ def changed(**block):
             ),
             "rigid: expected a table with",
         ),
-        (
-            RIGID | {"floating_pin": {"boss_length": "2 cm", "small_end_length": "2 cm"}},
-            "mounted: expected false with floating_pin,",
-        ),
     ],
 )
 def test_what_does_not_go_with_a_bore_from_outside_is_refused(build, told, tmp_path):

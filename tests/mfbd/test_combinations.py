@@ -4,21 +4,36 @@ Each combination has a limit that another test covers, and derivatives that cent
 confirm.
 """
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
+from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
-from piston_cosim.fmu_mfbd.dynamics.model import stacked
+from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, stacked
 from piston_cosim.fmu_mfbd.dynamics.skirt_films import forces_by_film, together
+from piston_cosim.fmu_mfbd.geometry.pin import turned
 
+from .differences import products_by_differences, rough_change
 from .pin_models import (
     BLOCK_MODES,
     CRITICAL,
+    MAIN,
+    MODELS,
+    PARAMETERS,
+    SETS,
+    STEP,
+    UNBALANCE,
     block_model,
+    crank_model,
     flexible_block,
     floating_model,
     rough_inputs,
+    rough_way,
     stiff_is_rigid,
 )
+from .test_crank_films import Points, second_derivative
 
 # ---- a flexible block
 
@@ -45,3 +60,68 @@ def test_a_block_around_a_floating_pin_yields_by_its_springs():
     np.testing.assert_allclose(out["modal_coordinate"], wanted, rtol=2e-2)
     stored = float(force @ wanted) / 2
     np.testing.assert_allclose(out["elastic_energy"], stored, rtol=2e-2)
+
+
+# ---- a mounted block
+
+MOVING = Carrier(30.0, -50.0, 400.0, 1.7)
+"""A block that shakes harder than any on mounts."""
+
+
+def carried_way(model, carrier, steps=4):
+    """Return the state before the last step, its inputs and its outputs in a block that moves."""
+    model.model = model.model._replace(mounted=True)
+    state, out = model.start(0.3, 2e-6, 1e-4, rough_inputs(model, 0, 0.0))
+    for k in range(steps):
+        before, inputs = state, replace(rough_inputs(model, k), carrier=carrier)
+        state, out = model.advance(before, inputs, STEP)
+    return before, inputs, out
+
+
+def test_a_block_at_rest_changes_nothing_around_a_floating_pin():
+    _, plain = rough_way(crank_model(yielding=True), 4)
+    *_, out = carried_way(crank_model(yielding=True), FIXED)
+    for name, value in plain.items():
+        np.testing.assert_array_equal(out[name], value)
+
+
+@pytest.mark.parametrize("name", ["rigid", "bending, bosses, eye", "all flexible"])
+def test_derivatives_with_the_motion_of_a_block_are_differences(name):
+    """A floating pin in a block that moves, with rough changes of all forces and of its motion."""
+    model = MODELS[name]()
+    before, base, _ = carried_way(model, MOVING)
+    change = rough_change(model, base)
+    for moved in (change, replace(change, carrier=Carrier(0.3, -0.2, 0.7, 1e-3))):
+        products = products_by_differences(model, before, base, moved, STEP, 3e-6)
+        assert {*ON_BLOCK, *MOTION} <= products.keys()
+
+
+def test_forces_on_a_mounted_block_change_the_momentum_in_space():
+    """Force and moment, films on all bearings, from positions of mass points in space alone.
+
+    The moment excludes what turns the unbalance about the crank axis, which is the drive's.
+    """
+    model = crank_model()
+    *_, out = carried_way(model, MOVING)
+    points, now, crank = Points(SETS[-1]), model._last.now, model._last.crank
+    masses, inertias = points.inertias()
+    of_crank = -(UNBALANCE**2) / MAIN.crank_mass
+
+    def at(t):
+        angle = crank.angle + t * crank.speed + t**2 / 2 * crank.acceleration
+        position = now.position + t * now.velocity + t**2 / 2 * now.acceleration
+        roll = t * MOVING.w + t**2 / 2 * MOVING.alpha
+        places, turns = points.places(position, angle)
+        origin = t**2 / 2 * np.array([MOVING.ax, MOVING.ay])
+        return origin + places @ turned(roll).T, np.array([*turns, angle]) + roll
+
+    places, _ = at(0.0)
+    pull = masses[:, None] * second_derivative(lambda t: at(t)[0], 0.0, 2e-5)
+    turning = second_derivative(lambda t: at(t)[1], 0.0, 2e-5) @ np.array([*inertias, of_crank])
+    force = np.array([out["force_on_block_x"], out["force_on_block_y"]])
+    size = np.abs(pull).max()
+    np.testing.assert_allclose(force, -pull.sum(axis=0), atol=1e-6 * size)
+    moment = float(np.sum(places[:, 0] * pull[:, 1] - places[:, 1] * pull[:, 0])) + turning
+    drive = out["crank_torque"] - model.model.settings.crank_inertia * crank.acceleration
+    arm = PARAMETERS.rod_length
+    assert out["moment_on_block"] == pytest.approx(drive - moment, abs=1e-6 * size * arm)

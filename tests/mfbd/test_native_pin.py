@@ -75,6 +75,7 @@ def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3)):
         BlockOptions("block.npz", BLOCK_MODES),
         floating_pin=pin,
         crank_bearings=crank,
+        mounted=True,
     )
     (folder / "build.json").write_text(json.dumps(options.to_json()))
     return folder
