@@ -15,15 +15,21 @@ of the energy that was lost in the previous one. An impact is too short for the 
 loses energy in one step and returns a part in the next. c is 0 if every balance is complete, and
 negative by dissipation that no balance includes. c is positive if time integration or a model
 creates energy. A macro step that is not accepted is rejected and halved, as if it did not converge.
+
+Parts that resolve an impact are balanced together: E_i, X and the Z_i of powers are sums over the
+macro step, Y and the stored Z_i the largest of its parts. The force of a film that opens drops
+within a step of any length. The share of a short part is therefore no smaller, and it is large if
+the motion turns round in the part.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from ..fmi.errors import BadInput
 from ..participants.participant import Participant
 from .stepping import EnergyCreated
 from .wiring import Port
-from .work import Exchange
+from .work import End, Exchange
 
 Participants = Mapping[str, Participant]
 
@@ -34,6 +40,45 @@ exceed 2 % in 6 of 726 steps at most, and slaps on scarce oil have up to 8 %
 """
 REMEMBERED = 0.5
 """Fraction of the size and of the loss of a step that counts in the next one."""
+
+
+class Balance(NamedTuple):
+    """Energies of a macro step, or of a part of it [J].
+
+    amounts : E_i by participant; passed : X and the Z_i of powers; stored : the other Z_i; worth :
+    Y.
+    """
+
+    amounts: dict[str, float]
+    passed: float
+    stored: float
+    worth: float
+
+    @property
+    def total(self) -> float:
+        """Sum of E_i [J]."""
+        return sum(self.amounts.values())
+
+
+def together(parts: Sequence[Balance]) -> Balance:
+    """Return the balance of a macro step from those of its parts."""
+    if len(parts) == 1:
+        return parts[0]
+    return Balance(
+        {name: sum(part.amounts[name] for part in parts) for name in parts[0].amounts},
+        sum(part.passed for part in parts),
+        max(part.stored for part in parts),
+        max(part.worth for part in parts),
+    )
+
+
+class JudgedPart(NamedTuple):
+    """Part of a macro step that is not accepted yet; balance : None without a ledger."""
+
+    is_first: bool
+    end: End
+    exchange: Exchange
+    balance: Balance | None
 
 
 class Ledger:
@@ -66,29 +111,37 @@ class Ledger:
         self.size = 0.0
         self.lost = 0.0
 
-    def check(self, participants: Participants, exchange: Exchange) -> None:
-        """Raise EnergyCreated if the spurious energy of the last step exceeds its limit."""
-        amounts = self._read(participants, exchange.step)
-        created = sum(amounts.values()) - self.lost
-        whole = self._whole(participants, exchange)
-        allowed = LIMIT * whole + exchange.worth
+    def balance(self, participants: Participants, exchange: Exchange) -> Balance:
+        """Return the balance of the last step of the participants."""
+        sizes = {"J": 0.0, "W": 0.0}
+        for name, port, unit in self.sizes:
+            sizes[unit] += float(participants[name].get(port))
+        step = exchange.step
+        amounts = {name: step * float(participants[name].get(port)) for name, port in self.ports}
+        passed = exchange.passed + step * sizes["W"]
+        return Balance(amounts, passed, sizes["J"], exchange.worth)
+
+    def check(self, step: Balance) -> None:
+        """Raise EnergyCreated if the spurious energy of a macro step exceeds its limit."""
+        created = step.total - self.lost
+        size = self._size(step)
+        allowed = LIMIT * size + step.worth
         if created > allowed:  # Eq. (W2)
-            said = ", ".join(f"{name} {amount:.3g} J" for name, amount in amounts.items())
+            said = ", ".join(f"{name} {amount:.3g} J" for name, amount in step.amounts.items())
             raise EnergyCreated(
-                f"spurious energy: {created:.3g} J ({said}) of {whole:.3g} J exchanged or stored, "
+                f"spurious energy: {created:.3g} J ({said}) of {size:.3g} J exchanged or stored, "
                 f"limit {allowed:.3g} J"
             )
 
-    def add(self, participants: Participants, exchange: Exchange) -> None:
-        """Count the last step of the participants."""
-        amounts = self._read(participants, exchange.step)
-        for name, amount in amounts.items():
+    def add(self, step: Balance) -> None:
+        """Count a macro step."""
+        for name, amount in step.amounts.items():
             self.taken[name] += amount
-        self.size = self._whole(participants, exchange)
-        whole = self.size + exchange.worth
-        created = sum(amounts.values()) - self.lost
-        if whole > 0.0:
-            self.largest = max(self.largest, created / whole)
+        self.size = self._size(step)
+        size = self.size + step.worth
+        created = step.total - self.lost
+        if size > 0.0:
+            self.largest = max(self.largest, created / size)
         self.lost = REMEMBERED * max(-created, 0.0)
 
     def summary(self) -> dict[str, float]:
@@ -96,15 +149,8 @@ class Ledger:
         taken = {f"energy_taken_{name}_j": amount for name, amount in self.taken.items()}
         return taken | {"energy_created_share_max": self.largest}
 
-    def _whole(self, participants: Participants, exchange: Exchange) -> float:
-        held = (
-            float(participants[name].get(port)) * (exchange.step if unit == "W" else 1.0)
-            for name, port, unit in self.sizes
-        )
-        return max(exchange.passed + sum(held), REMEMBERED * self.size)
-
-    def _read(self, participants: Participants, step: float) -> dict[str, float]:
-        return {name: step * float(participants[name].get(port)) for name, port in self.ports}
+    def _size(self, step: Balance) -> float:
+        return max(step.passed + step.stored, REMEMBERED * self.size)
 
 
 def ledger(

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import inf
 from time import perf_counter
 from typing import Any
 
@@ -19,7 +18,7 @@ from .step_control import StepControl
 from .vector import extrapolate, is_longer, lagrange, moved
 from .wiring import HeldWire, System
 
-Judge = Callable[[float, Solution], None]
+Judge = Callable[[float, Solution, bool, bool], None]
 
 REPETITIONS = 5
 """Largest number of halvings of a macro step that does not resolve the motion."""
@@ -49,6 +48,7 @@ class Counters:
     steps: int = 0
     halved_steps: int = 0
     repeated_steps: int = 0
+    steps_without_parts: int = 0
     rejected_steps: int = 0
     iterations: list[int] = field(default_factory=list[int])
     residual_evaluations: int = 0
@@ -67,6 +67,22 @@ class Counters:
         self.residual_evaluations += iterations + solution.probes
         self.jacobian_evaluations += solution.jacobians
         self.derivative_products += solution.products
+
+
+@dataclass
+class Attempt:
+    """Attempt at a part of a macro step, which is not reported to the observer yet.
+
+    saved : states of the participants at its begin; trail : measures of the wires by evaluation;
+    solution : None if it did not converge; failure : why it was rolled back, or None.
+    """
+
+    begin: float
+    length: float
+    saved: dict[str, Any]
+    trail: list[list[float]]
+    solution: Solution | None = None
+    failure: Exception | None = None
 
 
 class Predictor:
@@ -135,8 +151,9 @@ class Stepper:
         Those of the system.
     begin : float
         Where the participants stand [s].
-    judge : callable(time, solution), optional
-        Raises EnergyCreated if the converged step that ends at `time` [s] created energy.
+    judge : callable(time, solution, is_first, is_last), optional
+        Raises EnergyCreated if the macro step created energy whose converged part ends at `time`
+        [s]; whether it is the first and the last part.
     clocks : sequence of HeldWire
         From clock to clock.
     """
@@ -165,7 +182,7 @@ class Stepper:
         self.method = method if self.interface.size or self.interface.discrete else Explicit()
         self.halvings = halvings
         self.observer = observer or Observer()
-        self.judge: Judge = judge or (lambda time, solution: None)
+        self.judge: Judge = judge or (lambda *_: None)
         self.control = control
         self.counters = Counters()
         self.failures: list[str] = []
@@ -221,42 +238,121 @@ class Stepper:
     def _step(self, time: float, step: float, halvings: int) -> float:
         """Take a macro step, or parts of it; return the time reached [s].
 
-        A part has the length of the macro step, halved `depth` times. It is halved again if it
-        fails, or if it is too long for the motion of a participant. A tick of a clock ends the step
-        before time + step.
+        If the parts that resolve the motion of the participants fail, the step is taken without
+        them. Then a part has the length of the macro step, halved `depth` times, and is halved
+        again if it fails. A tick of a clock ends the step before time + step.
         """
-        most = min(REPETITIONS, halvings) if self.limits else 0
-        longest = self._longest_step() if most else inf
+        try:
+            if self.limits and halvings and self._resolve(time, step, min(REPETITIONS, halvings)):
+                return time + step
+        except Ticked as tick:
+            return self._step(time, tick.time - time, halvings)
         depth = done = 0  # halvings, and parts of this length that are done
         while done < 1 << depth:
-            while depth < most and is_longer(step / (1 << depth), longest):
-                done, depth = 2 * done, depth + 1
             length = step / (1 << depth)
             begin = time + done * length
             saved = self._save()
             try:
                 solution = self._converge(begin, length, saved)
-                longest = self._longest_step() if most else inf
-                if depth < most and is_longer(length, longest):
-                    raise Unresolved(f"the motion needs steps of {longest:.3g} s")
-                self.judge(begin + length, solution)
+                self.judge(begin + length, solution, True, True)
                 self._accept(begin, length, solution)
             except Ticked as tick:
                 self._roll_back(begin, length, saved, tick)
                 return self._step(begin, tick.time - begin, halvings - depth)
-            except Unresolved as reason:
-                self._roll_back(begin, length, saved, reason)
-                self.counters.repeated_steps += 1
             except (NotConverged, Discard, EnergyCreated) as failure:
                 self._give_up(begin, length, saved, failure, depth < halvings)
                 done, depth = 2 * done, depth + 1
             else:
-                done += 1
-                while depth > 0 and done % 2 == 0:
-                    done, depth = done // 2, depth - 1
+                done, depth = joined(done + 1, depth)
             finally:
                 self._free(saved)
         return time + step
+
+    def _resolve(self, time: float, step: float, most: int) -> bool:
+        """Take a macro step in parts that resolve the motion of all participants.
+
+        A part is halved, `most` times at the largest, if it is too long or does not converge. The
+        observer sees all attempts when the macro step is complete. Return False and restore the
+        start if the smallest part does not converge, or if the parts together create energy.
+        """
+        past = self.predictor.past
+        longest = self._longest_step()
+        attempts: list[Attempt] = []
+        depth = done = 0
+        try:
+            while done < 1 << depth:
+                while depth < most and is_longer(step / (1 << depth), longest):
+                    done, depth = 2 * done, depth + 1
+                length = step / (1 << depth)
+                saved = self._save()
+                part = Attempt(time + done * length, length, saved, self.interface.trail)
+                attempts.append(part)
+                self._attempt(part, done == 0, done + 1 == 1 << depth, depth < most)
+                longest = self._longest_step()
+                if part.failure is None:
+                    done, depth = joined(done + 1, depth)
+                    continue
+                self._restore(saved)
+                if isinstance(part.failure, Unresolved):
+                    self.counters.repeated_steps += 1
+                    continue
+                created = isinstance(part.failure, EnergyCreated)
+                if depth == most or created and done or _is_grave(part.failure):
+                    self._undo(attempts, past, part.failure)
+                    self.counters.steps_without_parts += depth > 0
+                    self.counters.energy_refused_steps += created
+                    return False
+                self._note(part.begin, length, part.failure)
+                longest = self._longest_step()
+                done, depth = 2 * done, depth + 1
+            self._report(attempts)
+        except Ticked as tick:
+            self._undo(attempts, past, tick)
+            raise
+        finally:
+            for one in attempts:
+                self._free(one.saved)
+        return True
+
+    def _attempt(self, part: Attempt, is_first: bool, is_last: bool, may_halve: bool) -> None:
+        """Solve a part of a macro step; set its solution and its failure, if it has one."""
+        end = part.begin + part.length
+        try:
+            part.solution = self._converge(part.begin, part.length, part.saved)
+            longest = self._longest_step()
+            if may_halve and is_longer(part.length, longest):
+                raise Unresolved(f"the motion needs steps of {longest:.3g} s")
+            self.judge(end, part.solution, is_first, is_last)
+            self.predictor.keep(end, part.solution.x)
+        except (Unresolved, NotConverged, Discard, EnergyCreated) as failure:
+            part.failure = failure
+
+    def _report(self, attempts: Sequence[Attempt]) -> None:
+        """Report all attempts at a macro step; the observer finds the state after each part."""
+        self._was_not_finite = False
+        last = self._save() if sum(one.failure is None for one in attempts) > 1 else {}
+        ends = [one.saved for one in attempts[1:]] + [last]
+        try:
+            for one, end in zip(attempts, ends):
+                self.observer.attempted(one.begin, one.length, one.trail, one.failure)
+                if one.failure is not None:
+                    self.counters.residual_evaluations += len(one.trail)
+                elif one.solution is not None:
+                    if last:
+                        self._restore(end)
+                    self._count(one.begin, one.length, one.solution)
+        finally:
+            self._free(last)
+
+    def _undo(self, attempts: Sequence[Attempt], past: Any, reason: Exception) -> None:
+        """Return to the start of a macro step whose parts are not accepted for a reason."""
+        self._restore(attempts[0].saved)
+        self.predictor.past = past
+        self.memory = self.method.memory()
+        for one in attempts:
+            self.counters.residual_evaluations += len(one.trail)
+            failure = one.failure or f"undone: {reason}"
+            self.observer.attempted(one.begin, one.length, one.trail, failure)
 
     def _longest_step(self) -> float:
         """Return the longest step that resolves the motion of all participants [s]."""
@@ -284,7 +380,7 @@ class Stepper:
         try:
             solution = self._converge(time, step, saved)
             if control.accepts(self.predictor.past[-1], time, step, solution):
-                self.judge(time + step, solution)
+                self.judge(time + step, solution, True, True)
                 self._accept(time, step, solution)
                 return True
             self._roll_back(
@@ -321,10 +417,14 @@ class Stepper:
     def _accept(self, time: float, step: float, solution: Solution) -> None:
         self.observer.attempted(time, step, self.interface.trail, None)
         self._was_not_finite = False
+        self.predictor.keep(time + step, solution.x)
+        self._count(time, step, solution)
+
+    def _count(self, time: float, step: float, solution: Solution) -> None:
+        """Count an accepted step, and report it to the observer."""
         self.counters.accept(solution)
         for name, text in solution.messages:
             self.warn(name, text, time)
-        self.predictor.keep(time + step, solution.x)
         self.observer.accepted(time + step, solution)
 
     def _roll_back(
@@ -332,6 +432,9 @@ class Stepper:
     ) -> None:
         self.observer.attempted(time, step, self.interface.trail, reason)
         self.counters.residual_evaluations += len(self.interface.trail)
+        self._restore(saved)
+
+    def _restore(self, saved: Mapping[str, Any]) -> None:
         for name, state in saved.items():
             self.interface.participants[name].restore(state)
 
@@ -348,22 +451,25 @@ class Stepper:
         not_finite = getattr(failure, "is_not_finite", False)
         is_final = getattr(failure, "is_final", False) or (not_finite and self._was_not_finite)
         is_final = is_final or not may_halve
-        said = str(failure)
-        if is_final and isinstance(failure, NotConverged):
-            said = failure.explained()
         try:
             self._roll_back(time, step, saved, failure)
         except ParticipantFault as fault:
             if not getattr(failure, "is_final", False):
                 raise ParticipantFault(f"{failure}; {fault}") from None
+        self._was_not_finite = not_finite
+        self._note(time, step, failure, is_final)
+        if is_final:
+            raise StepFailed(self.failures[-1]) from failure
+
+    def _note(self, time: float, step: float, failure: Exception, is_final: bool = False) -> None:
+        """Note a step that failed, and that is halved if the failure is not final."""
+        is_explained = is_final and isinstance(failure, NotConverged)
+        said = failure.explained() if is_explained else str(failure)
         self.failures.append(f"t = {time:.6g} s, step {step:.3g} s: {said}")
         self.predictor.clear()
         self.memory = self.method.memory()
         self.counters.energy_refused_steps += isinstance(failure, EnergyCreated)
-        self._was_not_finite = not_finite
-        if is_final:
-            raise StepFailed(self.failures[-1]) from failure
-        self.counters.halved_steps += 1
+        self.counters.halved_steps += not is_final
 
     def _converge(self, time: float, step: float, saved: dict[str, Any]) -> Solution:
         start = self.predictor.past[-1][1]
@@ -374,3 +480,15 @@ class Stepper:
             guess = start + (guess - start)
         macro_step = MacroStep(self.interface, time, step, saved)
         return solve_settled(self.method, macro_step, guess, self.memory)
+
+
+def joined(done: int, depth: int) -> tuple[int, int]:
+    """Return how many of the longest possible parts are done, and how often these are halved."""
+    while depth > 0 and done % 2 == 0:
+        done, depth = done // 2, depth - 1
+    return done, depth
+
+
+def _is_grave(failure: Exception) -> bool:
+    """Return whether a failure is final, or not finite at once: a shorter step may not help."""
+    return any(getattr(failure, name, False) for name in ("is_final", "is_not_finite"))

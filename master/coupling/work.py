@@ -22,6 +22,10 @@ class WireWithConjugate(Protocol):
     conjugate: str | None
 
 
+End = tuple[float, np.ndarray, np.ndarray]
+"""End of a step: time [s], and the values of inputs and outputs there."""
+
+
 class ConjugatePair(NamedTuple):
     """Indices of a wire and its conjugate.
 
@@ -82,14 +86,12 @@ class InterfaceWork:
         self.parts = interface.parts
         self.work = np.zeros(2)
         self.exchanged = 0.0
-        self.last = begin, interface.read(), interface.read()
+        self.last: End = begin, interface.read(), interface.read()
 
-    def exchange(self, time: float, used: np.ndarray, y: np.ndarray) -> Exchange:
-        """Return the exchange in the macro step that ends at `time` [s].
-
-        used, y : values of inputs and outputs.
-        """
-        before, used_before, y_before = self.last
+    def exchange(self, begin: End, end: End) -> Exchange:
+        """Return the exchange in a step."""
+        before, used_before, y_before = begin
+        time, used, y = end
         step = time - before
         work = np.zeros(2)
         exchanged = passed = worth = 0.0
@@ -110,18 +112,11 @@ class InterfaceWork:
             worth += span * pair.tolerance * float(force.sum())
         return Exchange(work, exchanged, passed, worth, step)
 
-    def add(
-        self, time: float, used: np.ndarray, y: np.ndarray, exchange: Exchange | None = None
-    ) -> Exchange:
-        """Add the macro step that ends at `time` [s].
-
-        exchange : result of `exchange` for the other arguments, if known.
-        """
-        exchange = exchange or self.exchange(time, used, y)
-        self.last = time, used, y
+    def add(self, end: End, exchange: Exchange) -> None:
+        """Add an accepted step; exchange : that since the last one."""
+        self.last = end
         self.work += exchange.work
         self.exchanged += exchange.exchanged
-        return exchange
 
     def summary(self) -> dict[str, float]:
         """Return the summary entries, none without conjugates.

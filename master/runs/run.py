@@ -17,7 +17,7 @@ from ..case.tables import reduced
 from ..coupling.compiled_newton import compiled_if_native
 from ..coupling.components import by_components, components, table
 from ..coupling.freezing import freeze, thaw
-from ..coupling.ledger import ledger
+from ..coupling.ledger import JudgedPart, ledger, together
 from ..coupling.methods import method_of
 from ..coupling.negotiation import (
     by_differences,
@@ -216,7 +216,7 @@ class ActiveRun(Observer):
             made("observers", name, options, system, output)
             for name, options in case.observers.items()
         ]
-        self.exchanged = None
+        self.parts = []
         self.begin = clock.perf_counter() - self.account.wall_time
         self.next_checkpoint = self.begin + FIRST_CHECKPOINT
         with writing(output):
@@ -420,10 +420,10 @@ class ActiveRun(Observer):
             reduction.add(time, row[index[reduction.port]])
         account.spent["recording"] += clock.perf_counter() - begin
         if account.work.pairs:
-            y, exchange = self._exchanged(time, solution)
-            account.work.add(time, solution.inputs, y, exchange)
-            if account.ledger:
-                account.ledger.add(self.system.participants, exchange)
+            if account.ledger and self.parts[0].is_first:
+                account.ledger.add(together([part.balance for part in self.parts]))
+            part = self.parts.pop(0)
+            account.work.add(part.end, part.exchange)
         monitored = {name: (row[index[port]], unit) for name, port, unit in self.monitors}
         for observer in self.observers:
             observer.accepted(time, solution)
@@ -431,28 +431,25 @@ class ActiveRun(Observer):
         end = self._time(self._end_of_period) if ends else self.system.stop
         self.watch(time, end, solution, monitored)
 
-    def judge(self, time, solution):
-        """Raise Discard or EnergyCreated for a step that cannot be accepted.
+    def judge(self, time, solution, is_first, is_last):
+        """Raise Discard or EnergyCreated for a macro step that cannot be accepted.
 
-        An output that is recorded is not finite at `time`, or the step created spurious energy.
+        An output that is recorded is not finite at `time`, or the macro step created spurious
+        energy. `accepted` takes over the exchange of its parts.
         """
         if found := self.recorder.not_finite(time):
             port, value = next(iter(found.items()))
             raise NotFinite(f"{port}: expected a finite output, got {value}")
-        if self.account.ledger:
-            _, exchange = self._exchanged(time, solution)
-            self.account.ledger.check(self.system.participants, exchange)
-
-    def _exchanged(self, time, solution):
-        """Return all outputs at the end of a solution's step, and the exchange over the interface.
-
-        The result is cached, because `judge` and `accepted` need it.
-        """
-        if self.exchanged is None or self.exchanged[0] is not solution:
-            y = self.stepper.interface.read()
-            found = self.account.work.exchange(time, solution.inputs, y)
-            self.exchanged = solution, (y, found)
-        return self.exchanged[1]
+        work, balances = self.account.work, self.account.ledger
+        if not work.pairs:
+            return
+        parts = [] if is_first else self.parts
+        end = time, solution.inputs, self.stepper.interface.read()
+        exchange = work.exchange(parts[-1].end if parts else work.last, end)
+        balance = balances.balance(self.system.participants, exchange) if balances else None
+        self.parts = [*parts, JudgedPart(is_first, end, exchange, balance)]
+        if balances and is_last:
+            balances.check(together([part.balance for part in self.parts]))
 
     def write_checkpoint(self):
         """Write a checkpoint, if all participants can serialise their states."""
@@ -545,7 +542,7 @@ def summarise(account, control, wall_time):
         "unconverged_steps": counters.unconverged_steps,
         **({"unsettled_steps": counters.unsettled_steps} if counters.unsettled_steps else {}),
         "halved_steps": counters.halved_steps,
-        **({"repeated_steps": counters.repeated_steps} if counters.repeated_steps else {}),
+        **{name: count for name in PARTS if (count := getattr(counters, name))},
         **controlled,
         "mean_iterations": float(np.mean(counters.iterations)),
         "max_iterations": int(np.max(counters.iterations)),
@@ -558,6 +555,10 @@ def summarise(account, control, wall_time):
         **_of_ledger(account),
         **{r.name: r.result() for r in account.reductions},
     }
+
+
+PARTS = "repeated_steps", "steps_without_parts"
+"""Counters of parts of macro steps, which the summary has if they are not 0."""
 
 
 def _of_ledger(account):

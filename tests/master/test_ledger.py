@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.coupling import ledger as ledgers
-from piston_cosim.master.coupling.ledger import EnergyCreated, Ledger, ledger
+from piston_cosim.master.coupling.ledger import Balance, EnergyCreated, Ledger, ledger, together
 from piston_cosim.master.coupling.stepping import StepFailed
 from piston_cosim.master.coupling.work import Exchange
 from piston_cosim.master.fmi.errors import BadInput
@@ -98,17 +98,44 @@ def test_the_rule_by_hand():
     one = Ledger([("a", "e"), ("b", "e")], [("a", "z", "J"), ("a", "x", "W")])
     told = {"e": 1.7, "z": 4.0, "x": 3.0}
     gains = {"a": SimpleNamespace(get=told.get), "b": SimpleNamespace(get=lambda _: -1.0)}
-    one.check(gains, Exchange(np.zeros(2), 0.0, 10.1, 1.0, 2.0))
+
+    def balance(passed, worth):
+        return one.balance(gains, Exchange(np.zeros(2), 0.0, passed, worth, 2.0))
+
+    one.check(balance(10.1, 1.0))
     with pytest.raises(EnergyCreated, match="1.4 J .a 3.4 J, b -2 J. of 19.9 J"):
-        one.check(gains, Exchange(np.zeros(2), 0.0, 9.9, 1.0, 2.0))
-    one.add(gains, Exchange(np.zeros(2), 0.0, 10.0, 1.0, 2.0))
-    one.add(gains, Exchange(np.zeros(2), 0.0, 0.0, 0.0, 2.0))
+        one.check(balance(9.9, 1.0))
+    one.add(balance(10.0, 1.0))
+    one.add(balance(0.0, 0.0))
     assert one.summary() == {
         "energy_taken_a_j": 6.8,
         "energy_taken_b_j": -4.0,
         # the second time nothing passed
         "energy_created_share_max": pytest.approx(1.4 / 10.0, rel=1e-14),
     }
+
+
+def test_parts_of_a_macro_step_are_balanced_together():
+    """Two parts create 0.7 and lose 0.4 J; 2 % of 4 + 6 + 5 J are allowed, and 0.1 J.
+
+    What they pass counts as a sum, what they store and what the tolerance is worth by its largest
+    value. The next step may return nothing.
+    """
+    parts = [
+        Balance({"a": 0.4, "b": 0.3}, 4.0, 5.0, 0.1),
+        Balance({"a": -0.3, "b": -0.1}, 6.0, 2.0, 0.05),
+    ]
+    step = together(parts)
+    assert step.amounts == {"a": pytest.approx(0.1, rel=1e-14), "b": pytest.approx(0.2, rel=1e-14)}
+    assert step[1:] == (10.0, 5.0, 0.1)
+    one = Ledger([("a", "e"), ("b", "e")], [])
+    one.check(step)
+    with pytest.raises(EnergyCreated, match="of 15 J"):
+        one.check(step._replace(worth=-0.1))
+    with pytest.raises(EnergyCreated):
+        one.check(parts[0])
+    one.add(step)
+    assert (one.lost, one.size) == (0.0, 15.0)
 
 
 def test_a_step_can_return_half_of_what_the_last_one_lost():
@@ -118,20 +145,18 @@ def test_a_step_can_return_half_of_what_the_last_one_lost():
     A step without loss leaves nothing to return.
     """
     one = Ledger([("a", "e")], [])
-    gain = {"e": -8.0}
-    participants = {"a": SimpleNamespace(get=gain.get)}
-    exchange = Exchange(np.zeros(2), 0.0, 10.0, 0.0, 1.0)
-    one.add(participants, exchange)
-    gain["e"] = 4.3
+
+    def balance(gain):
+        return Balance({"a": gain}, 10.0, 0.0, 0.0)
+
+    one.add(balance(-8.0))
     with pytest.raises(EnergyCreated, match="0.3 J"):
-        one.check(participants, exchange)
-    gain["e"] = 4.1
-    one.check(participants, exchange)
-    one.add(participants, exchange)
+        one.check(balance(4.3))
+    one.check(balance(4.1))
+    one.add(balance(4.1))
     assert one.summary()["energy_created_share_max"] == pytest.approx(0.01, rel=1e-12)
-    gain["e"] = 0.3
     with pytest.raises(EnergyCreated):
-        one.check(participants, exchange)
+        one.check(balance(0.3))
 
 
 def test_whose_accounts_are_believed():

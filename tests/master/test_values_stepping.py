@@ -22,10 +22,10 @@ from piston_cosim.master.coupling.methods import (
 )
 from piston_cosim.master.coupling.starting import start
 from piston_cosim.master.coupling.step_control import StepControl, step_control
-from piston_cosim.master.coupling.stepping import StepFailed, Stepper
+from piston_cosim.master.coupling.stepping import EnergyCreated, StepFailed, Stepper
 from piston_cosim.master.coupling.wiring import Wire
 from piston_cosim.master.coupling.work import InterfaceWork
-from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.fmi.errors import BadInput, Discard
 from piston_cosim.master.participants.interpolated import InterpolatedParticipant
 
 from .toys import Toy, variable
@@ -38,16 +38,19 @@ PLAIN = Relaxation(1.0, False, 9)
 class Watched:
     """A stepper whose attempts and accepted steps are noted."""
 
-    def __init__(self, system, method=PLAIN, halvings=0, order=0, control=None):
-        self.attempts, self.times = [], []
-        self.stepper = Stepper(system, method, halvings, self, order, control)
+    def __init__(self, system, method=PLAIN, halvings=0, order=0, control=None, judge=None):
+        self.attempts, self.times, self.states, self.trails = [], [], [], []
+        self.plant = system.participants["plant"]
+        self.stepper = Stepper(system, method, halvings, self, order, control, judge=judge)
         self.advance = self.stepper.advance
         self.counters = self.stepper.counters
 
     def accepted(self, time, solution):
         self.times.append(time)
+        self.states.append(float(self.plant.state[0]))
 
     def attempted(self, time, step, trail, failure):
+        self.trails.append(trail)
         first = trail[0][0] * FINE if trail else None
         self.attempts.append((time, step, first, failure and str(failure)))
 
@@ -139,6 +142,73 @@ def test_a_motion_that_no_part_resolves_is_accepted(affine):
     watched = Watched(replace(system, limits=(("plant", "y0"),)), halvings=1)
     watched.advance(0.0, 1.0)
     assert (watched.times, watched.counters.repeated_steps) == ([0.5, 1.0], 0)
+
+
+def limited(affine, **how):
+    """Return `Watched` of x = 2 t after two steps of 1 s, the second of which needs quarters."""
+    system = affine([[0.0]], lambda t: 2 * t, FINE)
+    plant = system.participants["plant"]
+    plant.values["limit"] = np.array(9.0)
+
+    def advance(time, step, own=plant.step):
+        own(time, step)
+        plant.values["limit"] = np.array(9.0 if plant.state[0] == 1.0 else 0.25)
+
+    plant.step = advance
+    watched = Watched(replace(system, limits=(("plant", "limit"),)), order=1, **how)
+    watched.advance(0.0, 1.0)
+    watched.advance(1.0, 1.0)
+    return watched
+
+
+@pytest.mark.parametrize("why", ["energy", "convergence"])
+def test_a_step_whose_parts_fail_is_taken_without_parts(affine, why):
+    """The second step needs quarters, of which the last one creates energy or is not taken.
+
+    Neither is a quarter halved. The whole step starts from the history before it: its first
+    residual is the error of the line through 0 and 2 at 4, none. The observer sees no part as
+    accepted.
+    """
+
+    def judge(time, solution, is_first, is_last):
+        judged.append((time, is_first, is_last))
+        if time == 2.0 and not is_first:
+            raise EnergyCreated("made") if why == "energy" else Discard("made")
+
+    judged = []
+    watched = limited(affine, halvings=2, judge=judge)
+    assert judged == [
+        (1.0, True, True),
+        (1.25, True, False),
+        (1.5, False, False),
+        (1.75, False, False),
+        (2.0, False, True),
+        (2.0, True, True),
+    ]
+    assert [(*one[:2], one[3]) for one in watched.attempts[1:]] == [
+        (1.0, 1.0, "the motion needs steps of 0.25 s"),
+        (1.0, 0.25, "undone: made"),
+        (1.25, 0.25, "undone: made"),
+        (1.5, 0.25, "undone: made"),
+        (1.75, 0.25, "made"),
+        (1.0, 1.0, None),
+    ]
+    assert watched.times == [1.0, 2.0]
+    counters = watched.counters
+    assert (counters.steps, counters.repeated_steps, counters.steps_without_parts) == (2, 1, 1)
+    assert (counters.halved_steps, counters.energy_refused_steps) == (0, why == "energy")
+    assert watched.first_residuals[-1] == pytest.approx(0.0, abs=1e-12)
+    evaluations = counters.residual_evaluations - sum(counters.iterations)
+    assert evaluations == sum(map(len, watched.trails)) - sum(counters.iterations) > 4
+
+
+def test_parts_are_reported_with_the_state_at_their_end(affine):
+    """Quarters of the second step are accepted once all of them are done."""
+    watched = limited(affine, halvings=2)
+    assert watched.times == [1.0, 1.25, 1.5, 1.75, 2.0]
+    assert watched.states == watched.times
+    assert watched.counters.steps_without_parts == 0
+    assert watched.first_residuals[1:] == pytest.approx([0.0] * 4, abs=1e-12)
 
 
 def test_newton_forgets_its_products_after_a_failure(affine):
@@ -346,10 +416,12 @@ def work_of(unit, force="N", conjugate="b.F"):
 def test_work_on_both_sides_by_hand(unit, first, second, exchanged):
     # W1: side 1 computes q from F, side 2 F from q
     work = work_of(unit)
-    work.add(0.5, np.array([1.25, 2.5, 11.0, 22.0]), np.array([1.5, 3.0, 12.0, 18.0]))
+    end = 0.5, np.array([1.25, 2.5, 11.0, 22.0]), np.array([1.5, 3.0, 12.0, 18.0])
+    work.add(end, work.exchange(work.last, end))
     assert work.work.tolist() == pytest.approx([first, second], rel=1e-14)
     # back to where it began: the amounts add, the work does not
-    work.add(1.0, np.array([1.0, 2.0, 11.0, 22.0]), np.array([1.0, 2.0, 12.0, 18.0]))
+    end = 1.0, np.array([1.0, 2.0, 11.0, 22.0]), np.array([1.0, 2.0, 12.0, 18.0])
+    work.add(end, work.exchange(work.last, end))
     summary = work.summary()
     out = -27.5 if unit == "m" else 27.5
     into = -12.0 if unit == "m" else 24.0

@@ -229,21 +229,21 @@ class Wedge:
 
     def advance(self, now, step, halvings):
         """Advance by a step, which is halved as often as it creates energy."""
-        end, participants, exchange = self.solve(now, step)
+        end, balance = self.solve(now, step)
         try:
             if self.checked:
-                self.ledger.check(participants, exchange)
+                self.ledger.check(balance)
         except EnergyCreated:
             if not halvings:
                 raise
             half = self.advance(now, step / 2, halvings - 1)
             return self.advance(half, step / 2, halvings - 1)
-        self.ledger.add(participants, exchange)
+        self.ledger.add(balance)
         self.velocities.append(end.motion.velocity[0])
         return end
 
     def solve(self, now, step):
-        """Solve a step and return the data that the ledger needs."""
+        """Solve a step; return its end and its balance."""
         c = coefficients(step, 0.6)
         predicted = predict(c, now.motion, now.auxiliary)
         free = predicted.position[0] + c.to_position * self.push
@@ -282,7 +282,8 @@ class Wedge:
         passed = (now.force + force) / 2 * abs(way[0])
         exchange = Exchange(np.zeros(2), 0.0, passed, 0.0, step)
         acting = MASS * end.acceleration[0] - force
-        return OnWedge(end, auxiliary, memory, force, acting), participants, exchange
+        balance = self.ledger.balance(participants, exchange)
+        return OnWedge(end, auxiliary, memory, force, acting), balance
 
 
 def on_wedges(count, limited, checked):
