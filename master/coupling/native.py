@@ -3,12 +3,14 @@
 Their memory contains all participants, see `native_block`.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..fmi.block import keep
 from ..fmi.compiled import compiled
 from ..fmi.native_parts import NOWHERE, NativePart, tell_size
-from ..fmi.noted import refuse, take_over
+from ..fmi.noted import refuse, remark, take_over
 from .methods.krylov import forget
 from .native_block import (
     FAULT,
@@ -49,7 +51,7 @@ from .native_system import (
     wire_of,
 )
 from .stepping import REPETITIONS
-from .vector import MOST_STEPS, extrapolate, is_longer, macro_step_end, moved
+from .vector import MOST_STEPS, extrapolate, is_longer, joined, macro_step_end, moved
 
 AT_REAL, AT_INTEGER, AT_MEMORY, AT_MEMORIES = map(
     ParticipantRow._fields.index, ("real", "integer", "memory", "memories")
@@ -122,15 +124,69 @@ def longest_step(system: System, limits: np.ndarray) -> float:
     return longest
 
 
+class StepBegin(NamedTuple):
+    """Members of `CoupledState` at the begin of a macro step, but the pairs."""
+
+    standing: np.ndarray
+    known: np.ndarray
+    times: np.ndarray
+    past: np.ndarray
+
+
 @compiled
-def macro_step(memory: np.ndarray, time: float, step: float):
-    """Take a macro step or parts of it, as `Stepper._step`; return False and note why if none."""
+def begin_of(state: CoupledState):
+    """Return copies of the state at the begin of a macro step, which is saved."""
+    return StepBegin(
+        state.standing.copy(), state.known.copy(), state.times.copy(), state.past.copy()
+    )
+
+
+@compiled
+def return_to(begin: StepBegin, system: System, state: CoupledState):
+    """Return to the begin of a macro step, and forget the products of its parts."""
+    keep(state.standing, begin.standing)
+    keep(state.known, begin.known)
+    keep(state.times, begin.times)
+    for k in range(len(state.past)):
+        keep(state.past[k], begin.past[k])
+    restore(system)
+    forget(state.pairs)
+
+
+@compiled
+def attempt(memory: np.ndarray, x: np.ndarray, time: float, length: float):
+    """Save the participants and solve a part of a macro step; return whether it converged.
+
+    x : ndarray, shape (size,), written: the solution. A failed attempt is not rolled back.
+    """
     system = system_of(memory)
     state = state_of(memory)
-    halvings = rules_of(memory).halvings
+    save(system)
+    known = int(state.known[0])
+    last = state.past[known - 1]
+    guess = extrapolate(state.times[:known], state.past[:known], time + length)
+    keep(x, moved(system.layout, last, guess - last))
+    return find(memory, x, time, length, np.zeros(0))
+
+
+@compiled
+def give_up(system: System, state: CoupledState):
+    """Roll back a failed part, and forget all vectors but the last and all products."""
+    restore(system)
+    forget_past(state)
+    forget(state.pairs)
+
+
+@compiled
+def resolve(memory: np.ndarray, time: float, step: float, most: int):
+    """Take a macro step in parts that resolve the motion, as `Stepper._resolve`."""
+    system = system_of(memory)
+    state = state_of(memory)
     limits = given_of(memory).exposed.limits
-    most = min(REPETITIONS, halvings)
+    x = np.zeros(len(system.layout.nominal))
     longest = longest_step(system, limits)
+    nothing = np.zeros(0)
+    start = StepBegin(nothing, nothing, nothing, np.zeros((0, 0)))
     depth = done = 0  # halvings, and parts of this length that are done
     while done < 1 << depth:
         while depth < most and is_longer(step / (1 << depth), longest):
@@ -138,25 +194,47 @@ def macro_step(memory: np.ndarray, time: float, step: float):
             depth += 1
         length = step / (1 << depth)
         begin = time + done * length
-        save(system)
-        known = int(state.known[0])
-        last = state.past[known - 1]
-        x = extrapolate(state.times[:known], state.past[:known], begin + length)
-        x = moved(system.layout, last, x - last)
-        if find(memory, x, begin, length, np.zeros(0)):
-            longest = longest_step(system, limits)
-            if depth < most and is_longer(length, longest):
-                restore(system)
-                continue
+        is_solved = attempt(memory, x, begin, length)
+        longest = longest_step(system, limits)
+        is_accepted = is_solved and not (depth < most and is_longer(length, longest))
+        if len(start.known) == 0 and not (is_accepted and depth == 0):
+            start = begin_of(state)
+        if is_accepted:
             accept(state, begin + length, x)
-            done += 1
-            while depth > 0 and done % 2 == 0:
-                done //= 2
-                depth -= 1
+            done, depth = joined(done + 1, depth)
+        elif is_solved:
+            restore(system)
+        elif depth == most:
+            return_to(start, system, state)
+            remark(system.faults, FAULT.without_parts)
+            return False
+        else:
+            give_up(system, state)
+            longest = longest_step(system, limits)
+            done *= 2
+            depth += 1
+    return True
+
+
+@compiled
+def macro_step(memory: np.ndarray, time: float, step: float):
+    """Take a macro step or parts of it, as `Stepper._step`; return False and note why if none."""
+    system = system_of(memory)
+    state = state_of(memory)
+    halvings = rules_of(memory).halvings
+    most = min(REPETITIONS, halvings) if len(given_of(memory).exposed.limits) > 0 else 0
+    if most > 0 and resolve(memory, time, step, most):
+        return True
+    x = np.zeros(len(system.layout.nominal))
+    depth = done = 0
+    while done < 1 << depth:
+        length = step / (1 << depth)
+        begin = time + done * length
+        if attempt(memory, x, begin, length):
+            accept(state, begin + length, x)
+            done, depth = joined(done + 1, depth)
             continue
-        restore(system)
-        forget_past(state)
-        forget(state.pairs)
+        give_up(system, state)
         if depth == halvings:
             refuse(system.faults, FAULT.no_halving, 0.0, 0.0, begin, length, 0.0)
             take_over(system.faults, system.failures, 0.0)

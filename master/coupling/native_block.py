@@ -20,6 +20,7 @@ from ..fmi.compiled import compilable, compiled
 from ..fmi.noted import DAMAGED_STATE, ROOM, numbers_of
 from .methods import iteration
 from .methods.krylov import KEPT, Pairs, no_pairs
+from .stepping import WITHOUT_PARTS
 from .vector import TOO_LONG, Layout
 
 Array = np.ndarray
@@ -34,6 +35,7 @@ SENTENCES = {
     "no_step": "there was no step to take a derivative of",
     "other_state": DAMAGED_STATE,
     "too_long": TOO_LONG,
+    "without_parts": WITHOUT_PARTS,
 }
 FAULT = numbers_of(SENTENCES)
 """Numbers of the coupling's sentences."""

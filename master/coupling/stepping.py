@@ -15,13 +15,14 @@ from .methods import MacroStep, Method, NotConverged, Solution
 from .methods.explicit import Explicit
 from .settling import solve_settled
 from .step_control import StepControl
-from .vector import extrapolate, is_longer, lagrange, moved
+from .vector import extrapolate, is_longer, joined, lagrange, moved
 from .wiring import HeldWire, System
 
 Judge = Callable[[float, Solution, bool, bool], None]
 
 REPETITIONS = 5
 """Largest number of halvings of a macro step that does not resolve the motion."""
+WITHOUT_PARTS = "a macro step was taken without parts, because a part of it failed"
 
 
 class StepFailed(Stopped):
@@ -297,9 +298,10 @@ class Stepper:
                     self.counters.repeated_steps += 1
                     continue
                 created = isinstance(part.failure, EnergyCreated)
-                if depth == most or created and done or _is_grave(part.failure):
+                if depth == most or created and done:
                     self._undo(attempts, past, part.failure)
-                    self.counters.steps_without_parts += depth > 0
+                    self.counters.steps_without_parts += 1
+                    self.warn(".".join(self.limits[0]), WITHOUT_PARTS, time)
                     self.counters.energy_refused_steps += created
                     return False
                 self._note(part.begin, length, part.failure)
@@ -480,15 +482,3 @@ class Stepper:
             guess = start + (guess - start)
         macro_step = MacroStep(self.interface, time, step, saved)
         return solve_settled(self.method, macro_step, guess, self.memory)
-
-
-def joined(done: int, depth: int) -> tuple[int, int]:
-    """Return how many of the longest possible parts are done, and how often these are halved."""
-    while depth > 0 and done % 2 == 0:
-        done, depth = done // 2, depth - 1
-    return done, depth
-
-
-def _is_grave(failure: Exception) -> bool:
-    """Return whether a failure is final, or not finite at once: a shorter step may not help."""
-    return any(getattr(failure, name, False) for name in ("is_final", "is_not_finite"))

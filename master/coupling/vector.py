@@ -107,6 +107,15 @@ def is_longer(step: float, limit: float):
 
 
 @compilable
+def joined(done: int, depth: int):
+    """Return the number of finished parts and their halvings, with parts as long as possible."""
+    while depth > 0 and done % 2 == 0:
+        done //= 2
+        depth -= 1
+    return done, depth
+
+
+@compilable
 def step_length(layout: Layout, x: Array, change: Array):
     """Return the largest share <= 1 of `change` that respects `largest_decrease` of every wire.
 
