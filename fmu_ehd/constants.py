@@ -61,11 +61,11 @@ class Tables(NamedTuple):
     """
 
     bearing: bool
-    open_cells: Annotated[Flags, "n_c, n_a", "within(x, 0.0, 2.0) and n_c > 0 and n_a > 0"]
+    open_cells: Annotated[Flags, "n_c, n_a"]
     contact: Annotated[Array, "2, 513, 6"]
     halves: Halves
-    faces: Annotated[Array, "n_e, n_c", "n_e % 2 == 0 and are_edges(x, n_a)"]
-    rows: Annotated[Array, "n_f", "within(x, 0.0, n_c)"]
+    faces: Annotated[Array, "n_e, n_c"]
+    rows: Annotated[Array, "n_f"]
     beside: Field
     factors: Annotated[Array, f"{roughness.TABLE[0]}, {roughness.TABLE[1]}"]
 

@@ -12,23 +12,19 @@ import numpy as np
 
 from ..master.fmi.block import (
     alike,
-    checker,
     flatten,
-    given_part,
-    is_head,
     memory_of,
     parts,
     room_of,
     row_of,
 )
-from ..master.fmi.compiled import compilable, compiled, packed
-from ..master.fmi.native_parts import NativePart, positions_of, put_each, tell_size
+from ..master.fmi.compiled import compiled, packed
+from ..master.fmi.native_parts import NativePart, positions_of, put_each
 from ..master.fmi.noted import ROOM
 from ..master.fmi.slave import PRODUCT, SEED
 from ..master.fmi.symmetry import AUTOMATIC, THRUST_PLANE, WHOLE
 from . import constants, contradictions, step, step_tangent
 from .balance.grid import Array, keep
-from .balance.oil_layer import NO_EDGE
 from .contradictions import FROM_EDGES, FULL_TURN
 from .faults import FAULT, FAULTS, count_rows_from, refuse
 from .options import BuildOptions
@@ -42,7 +38,7 @@ SECTOR_ANGLE = NUMBERS.index("sector_angle")
 INITIAL_FILM_FRACTION = NUMBERS.index("initial_film_fraction")
 FILM_SYMMETRY = CHOSEN.index("film_symmetry")
 COUNTS = np.array([len(CHOICES[name]) for name in CHOSEN], float)
-"""Numbers of alternatives of each choice, which a file may exceed."""
+"""Numbers of alternatives of each choice, which a saved state may exceed."""
 WIDEST = 192  # cells around: beyond, sparse solvers of scipy are faster
 STROKES = 6  # lengths of the skirt for which there is room on the bore, both ways
 ROOM_ON_BORE = 1 + 2 * STROKES
@@ -53,19 +49,14 @@ Vector = Annotated[Array, "n"]
 Number = Annotated[Array, "1"]
 """An array of one, for what changes."""
 
-CELLS = "tables.n_c * tables.n_a"
-ON_CELLS = f"has_room(x, {CELLS}, reals)"
-ON_FACES = f"has_room(x, (2 + tables.bearing) * {CELLS}, reals)"
-"""Conditions on the position of a field, and of one of each direction."""
-
 
 class InputPositions(NamedTuple):
     """Positions of the input fields."""
 
-    film_thickness: Annotated[int, ON_CELLS]
-    sliding_velocity: Annotated[int, ON_CELLS]
-    circumferential_velocity: Annotated[int, f"not tables.bearing or {ON_CELLS}"]
-    oil_temperature: Annotated[int, f"x == -1 or {ON_CELLS}"]
+    film_thickness: int
+    sliding_velocity: int
+    circumferential_velocity: int
+    oil_temperature: int
 
 
 class VariablePositions(NamedTuple):
@@ -75,14 +66,14 @@ class VariablePositions(NamedTuple):
     seeds, products : where those of all directions begin.
     """
 
-    numbers: Annotated[Array, f"{len(NUMBERS)}", "within(x, -1.0, reals)"]
-    chosen: Annotated[Array, f"{len(CHOSEN)}", "within(x, -1.0, integers)"]
+    numbers: Annotated[Array, f"{len(NUMBERS)}"]
+    chosen: Annotated[Array, f"{len(CHOSEN)}"]
     inputs: InputPositions
-    fields: Annotated[Array, f"{len(Fields._fields)}", f"within(x, -1.0, reals - {CELLS} + 1)"]
-    scalars: Annotated[Array, f"{len(Scalars._fields)}", "within(x, -1.0, reals)"]
-    solver_iterations: Annotated[int, "0 <= x < integers"]
-    seeds: Annotated[int, ON_FACES]
-    products: Annotated[int, ON_FACES]
+    fields: Annotated[Array, f"{len(Fields._fields)}"]
+    scalars: Annotated[Array, f"{len(Scalars._fields)}"]
+    solver_iterations: int
+    seeds: int
+    products: int
 
 
 class FilmSetup(NamedTuple):
@@ -95,11 +86,8 @@ class FilmSetup(NamedTuple):
 
     places: VariablePositions
     follows: Annotated[Array, f"{len(NUMBERS)}"]
-    tables: Annotated[constants.Tables, "x.n_f == x.n_c"]
-    half: Annotated[
-        constants.Tables,
-        "x.n_f == tables.n_c and x.n_c <= x.n_f and x.n_a == tables.n_a and x.n_e <= tables.n_e",
-    ]
+    tables: constants.Tables
+    half: constants.Tables
     numbers: Annotated[Array, f"{len(NUMBERS)}"]
     chosen: Annotated[Array, f"{len(CHOSEN)}"]
     has_last: Number
@@ -124,7 +112,6 @@ class FilmMemory(NamedTuple):
 
 IS_SHARED = tuple(name.startswith("nodal_") for name in Fields._fields)
 """Whether the images of a cell share a field, `constants.on_film`."""
-PARTS = float(len(FilmMemory._fields))
 parts_of = parts(FilmMemory)
 _, numbers_from = packed(Numbers)
 _, chosen_from = packed(Chosen)
@@ -140,13 +127,12 @@ _room_of_linear = room_of(Linearisation, "n_c, n_a")
 _room_of_factors = room_of(Factors, "n_c, n_a")
 
 
-@compilable
 def lengths_of(tables: constants.Tables):
     """Return the lengths of all parts after the first one."""
     n_c, n_a = tables.open_cells.shape
     state = _room_of_memory(n_c, n_a, len(tables.faces), ROOM_ON_BORE * n_a)
     last, linear = _room_of_last(n_c, n_a), _room_of_linear(n_c, n_a)
-    return state, state, last, linear, _room_of_factors(n_c, n_a), int(ROOM)
+    return state, state, last, linear, _room_of_factors(n_c, n_a), ROOM
 
 
 def given(slave: Any) -> Array:
@@ -184,29 +170,6 @@ def given(slave: Any) -> Array:
     )
     lengths = dict(zip(FilmMemory._fields[1:], lengths_of(setup.tables)))
     return memory_of({"given": row_of(setup)}, lengths)
-
-
-@compilable
-def are_edges(faces: Array, n_a: int):
-    """Return whether `oil_layer.Bore.faces` are faces of a film, those of even rows below it."""
-    for edge in range(faces.shape[0]):
-        for i in range(faces.shape[1]):
-            face = faces[edge, i]
-            upper = edge % 2
-            is_edge = upper <= face < n_a + upper and face == np.floor(face)
-            if not (is_edge or face == NO_EDGE):
-                return False
-    return True
-
-
-_check = checker(FilmSetup, "reals, integers", are_edges=are_edges)
-
-
-@compilable
-def is_sound(real: Array, integer: Array, memory: Array):
-    """Return whether a memory from a file has no position or length out of range."""
-    row = given_part(memory, PARTS, _check, len(real), len(integer))
-    return len(row) > 0 and is_head(memory, lengths_of(setup_from(row).tables), 0.0, 0)
 
 
 def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
@@ -346,12 +309,6 @@ def publish(fields, scalars, iterations, real, integer, places, tables):
 
 
 @compiled
-def size(real: Array, integer: Array, memory: Array, numbers: Array):
-    """Write the head of the memory into `numbers`, as `tell_size`."""
-    tell_size(memory, numbers, is_sound(real, integer, memory))
-
-
-@compiled
 def start(real: Array, integer: Array, memory: Array, numbers: Array):
     """State and outputs at the start; `numbers` unused."""
     _start(real, integer, memory)
@@ -476,7 +433,7 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
 
 
 PART = NativePart(
-    entries=(size, start, advance, tangent),
+    entries=(start, advance, tangent),
     given=given,
     uncovered=uncovered,
     faults=FAULTS,

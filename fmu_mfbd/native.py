@@ -10,13 +10,8 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from ..master.fmi.block import (
-    FIRST_STATE,
     alike,
-    checker,
     flatten,
-    given_part,
-    has_room,
-    is_head,
     keep,
     length_of,
     memory_of,
@@ -24,9 +19,9 @@ from ..master.fmi.block import (
     room_of,
     row_of,
 )
-from ..master.fmi.compiled import compilable, compiled, packed
+from ..master.fmi.compiled import compiled, packed
 from ..master.fmi.errors import BadInput
-from ..master.fmi.native_parts import NativePart, get_each, positions_of, put_each, tell_size
+from ..master.fmi.native_parts import NativePart, get_each, positions_of, put_each
 from ..master.fmi.noted import ROOM, refuse, remark
 from ..master.fmi.slave import PRODUCT, SEED
 from ..master.fmi.symmetry import AUTOMATIC, WHOLE
@@ -47,7 +42,7 @@ from .dynamics.model import MOTION
 from .dynamics.parameters import Parameters, Settings, settings_of
 from .dynamics.pin_instant import PinScalars
 from .dynamics.pin_shells import shell_modes_of
-from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
+from .dynamics.piston_motion import LATERAL, ROCKING
 from .dynamics.response import StepEnd
 from .dynamics.slider_crank import CrankMotion
 from .dynamics.state import PistonState, problem_of, step_coefficients
@@ -72,10 +67,9 @@ from .dynamics.step import (
     warning_of,
 )
 from .dynamics.system import RingForce
-from .geometry.film import Limits, NodalForces
+from .geometry.film import NodalForces
 from .geometry.pin import PinForces
-from .geometry.surfaces import are_films, are_pins
-from .mechanism.cylinder import COORDINATES, EYE
+from .mechanism.cylinder import EYE
 from .native_fields import forces_at, put_films, put_stacked
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS
 
@@ -102,29 +96,20 @@ def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
 
 Number = Annotated[np.ndarray, "1"]
 """An array of one, for what changes."""
-EACH = "within(x, -1.0, reals)"
-Place = Annotated[int, "-1 <= x < reals"]
-Count = Annotated[int, "0 <= x < integers"]
-OfModes = Annotated[int, "has_room(x, bodies.piston_modes + bodies.block_modes, reals)"]
-OfEye = Annotated[
-    int,
-    "has_room(x, bodies.shell_modes - bodies.big_end_modes - bodies.main_bearing_modes, reals)",
-]
-OfFields = Annotated[np.ndarray, "films", "are_fields(x, cells, reals)"]
-"""Positions of variables, by their conditions in a file."""
+OfFilms = Annotated[np.ndarray, "films"]
 
 
 class OutputPlaces(NamedTuple):
     """Positions of outputs that are not scalars of a step, and of two that are."""
 
-    cylinder_pressure: Place
-    side_force_demand: Place
-    modal_coordinate: OfModes
-    modal_velocity: OfModes
-    residual_evaluations: Count
-    jacobian_evaluations: Count
-    small_end_modal_coordinate: OfEye
-    small_end_modal_velocity: OfEye
+    cylinder_pressure: int
+    side_force_demand: int
+    modal_coordinate: int
+    modal_velocity: int
+    residual_evaluations: int
+    jacobian_evaluations: int
+    small_end_modal_coordinate: int
+    small_end_modal_velocity: int
 
 
 class FieldPlaces(NamedTuple):
@@ -134,17 +119,17 @@ class FieldPlaces(NamedTuple):
     tangent the forces are seeds, thickness and sliding are products.
     """
 
-    push: OfFields
-    drag: OfFields
-    thickness: OfFields
-    sliding: OfFields
-    work_error: Annotated[np.ndarray, "films", EACH]
-    cells: Annotated[np.ndarray, "films", "within(x, 1.0, reals)"]
+    push: OfFilms
+    drag: OfFilms
+    thickness: OfFilms
+    sliding: OfFilms
+    work_error: OfFilms
+    cells: OfFilms
 
 
-OfRings = Annotated[np.ndarray, f"{len(RingForce._fields)}", EACH]
-OfCarrier = Annotated[np.ndarray, f"{len(FIXED)}", EACH]
-OfBlock = Annotated[np.ndarray, f"{len(BlockForce._fields)}", EACH]
+OfRings = Annotated[np.ndarray, f"{len(RingForce._fields)}"]
+OfCarrier = Annotated[np.ndarray, f"{len(FIXED)}"]
+OfBlock = Annotated[np.ndarray, f"{len(BlockForce._fields)}"]
 
 
 class VariablePlaces(NamedTuple):
@@ -156,26 +141,26 @@ class VariablePlaces(NamedTuple):
     mounted block; motion : of the derivatives `model.MOTION`.
     """
 
-    settings: Annotated[np.ndarray, f"{len(Settings._fields)}", EACH]
-    scalars: Annotated[np.ndarray, f"{len(Scalars._fields)}", EACH]
-    pin_scalars: Annotated[np.ndarray, f"{len(PinScalars._fields)}", EACH]
-    gas_source: Count
-    crank_free: Count
-    film_symmetry: Count
-    crank_speed: Place
-    inputs: Annotated[np.ndarray, f"{len(StepInputs._fields) - len(FIELDS)}", EACH]
+    settings: Annotated[np.ndarray, f"{len(Settings._fields)}"]
+    scalars: Annotated[np.ndarray, f"{len(Scalars._fields)}"]
+    pin_scalars: Annotated[np.ndarray, f"{len(PinScalars._fields)}"]
+    gas_source: int
+    crank_free: int
+    film_symmetry: int
+    crank_speed: int
+    inputs: Annotated[np.ndarray, f"{len(StepInputs._fields) - len(FIELDS)}"]
     rings: OfRings
     rings_seed: OfRings
     carrier: OfCarrier
     carrier_seed: OfCarrier
     on_block: OfBlock
     on_block_product: OfBlock
-    motion_product: Annotated[np.ndarray, "3", EACH]
+    motion_product: Annotated[np.ndarray, "3"]
     outputs: OutputPlaces
     skirt: FieldPlaces
-    skirt_tangent: Annotated[FieldPlaces, "np.array_equal(x.cells, skirt.cells)"]
+    skirt_tangent: FieldPlaces
     pins: FieldPlaces
-    pins_tangent: Annotated[FieldPlaces, "np.array_equal(x.cells, pins.cells)"]
+    pins_tangent: FieldPlaces
 
 
 class NativeSetup(NamedTuple):
@@ -211,7 +196,6 @@ class BodyMemory(NamedTuple):
     faults: np.ndarray
 
 
-PARTS = float(len(BodyMemory._fields))
 parts_of = parts(BodyMemory)
 _, settings_from = packed(Settings)
 _, rings_from = packed(RingForce)
@@ -226,13 +210,12 @@ _room_of_state = room_of(PistonState, "n, w, s")
 _room_of_last = room_of(StepEnd, "n, m")
 
 
-@compilable
 def lengths_of(setup: NativeSetup, model: int):
     """Return the lengths of all parts after the first one, with that of the model."""
     n = len(setup.start_position)
     m = max(n, len(FIXED))
     state = _room_of_state(n, 0, 0)
-    return model, state, state, _room_of_last(m, m), int(ROOM)
+    return model, state, state, _room_of_last(m, m), ROOM
 
 
 def given(slave: Any) -> np.ndarray:
@@ -299,65 +282,6 @@ def _places(slave) -> VariablePlaces:
         skirt_tangent=fields(skirt, (*FORCES, *FILM), of_tangent),
         pins=fields(pins, (*PIN_FORCES, *PIN_FILM)),
         pins_tangent=fields(pins, (*PIN_FORCES, *PIN_FILM), of_tangent),
-    )
-
-
-@compilable
-def are_fields(places: np.ndarray, cells: np.ndarray, reals: int):
-    """Return whether there are fields of so many cells at these positions."""
-    for k in range(len(places)):
-        if not has_room(places[k], int(cells[k]), reals):
-            return False
-    return True
-
-
-_check = checker(NativeSetup, "reals, integers", are_fields=are_fields)
-
-
-@compilable
-def are_bodies(bodies: BodySetup, places: VariablePlaces, coordinates: int):
-    """Return whether all films and coordinates of bodies from a file fit each other."""
-    fit = bodies.fit
-    films = 1.0 * fit.has_big_end + fit.has_main_bearing
-    piston, block = len(bodies.piston_omega), len(bodies.block_omega)
-    shells = len(bodies.shell_omega)
-    most = np.full(EYE + 1 + int(films), piston)
-    most[EYE] = shells - bodies.big_end_modes - bodies.main_bearing_modes
-    if fit.has_main_bearing:
-        most[-1] = bodies.main_bearing_modes
-    if fit.has_big_end:
-        most[EYE + 1] = bodies.big_end_modes
-    floats = len(places.pins.cells) > 0
-    modes = block + (shells + 2 * int(films) if floats else 0)
-    limits = Limits(fit.skirt_lower, fit.skirt_upper, fit.bore_lower, fit.bore_upper)
-    return (
-        coordinates == (COORDINATES if floats else RIGID) + piston + modes
-        and floats == fit.floats
-        and are_films(bodies.surfaces, places.skirt.cells, piston, block, limits)
-        and len(bodies.half_surfaces) > 0
-        and (
-            bodies.half_surfaces[0] == 0.0
-            or are_films(bodies.half_surfaces, places.skirt.cells, piston, block, limits)
-        )
-        and are_pins(bodies.pin_surfaces, places.pins.cells, most)
-    )
-
-
-@compilable
-def is_sound(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
-    """Return whether a memory from a file has no position or length out of range.
-
-    Whether the model has room is known at the start only.
-    """
-    row = given_part(memory, PARTS, _check, len(real), len(integer))
-    if len(row) == 0:
-        return False
-    setup = setup_from(row)
-    model = int(memory[FIRST_STATE]) - len(memory)
-    return (
-        model >= 0
-        and are_bodies(setup.bodies, setup.places, len(setup.start_position))
-        and is_head(memory, lengths_of(setup, model), 1.0, 0)
     )
 
 
@@ -454,12 +378,6 @@ def solve(real, integer, memory, c, before, crank, time):
 
 
 @compiled
-def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Write the head of the memory into `numbers`, as `tell_size`."""
-    tell_size(memory, numbers, is_sound(real, integer, memory))
-
-
-@compiled
 def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
     """Write state and outputs at the start; `numbers` unused."""
     parts = parts_of(memory)
@@ -552,7 +470,7 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 
 
 PART = NativePart(
-    entries=(size, start, advance, tangent),
+    entries=(start, advance, tangent),
     given=given,
     uncovered=uncovered,
     faults=FAULTS,

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compiled
 from .arrays import Matrix
-from .modal_field import ModalField, is_field, modal_field, read, read_both, spread
+from .modal_field import ModalField, modal_field, read, read_both, spread
 
 
 class Skirt(NamedTuple):
@@ -43,7 +43,7 @@ class Skirt(NamedTuple):
     pin_offset: float
     radial: ModalField
     axial: ModalField
-    rows: Annotated[np.ndarray, "n", "within(x, 0.0, c)"]
+    rows: Annotated[np.ndarray, "n"]
 
 
 class BoreSplines(NamedTuple):
@@ -60,7 +60,7 @@ class BoreSplines(NamedTuple):
     """
 
     lowest: float
-    spacing: Annotated[float, "0.0 < x < np.inf"]
+    spacing: float
     radial: ModalField
     axial: ModalField
     shape: Matrix
@@ -71,15 +71,6 @@ class FilmSurface(NamedTuple):
 
     skirt: Skirt
     bore: BoreSplines
-
-
-class Limits(NamedTuple):
-    """Heights of the skirt's edges above A, and ends of the bore above the crank axis [m]."""
-
-    skirt_lower: float
-    skirt_upper: float
-    bore_lower: float
-    bore_upper: float
 
 
 class NodalForces(NamedTuple):
@@ -221,34 +212,6 @@ def knot_rule(stations: int) -> np.ndarray:
     for i in range(s):
         rule[i + 1, i : i + 3] = 1 / 6, 4 / 6, 1 / 6  # Eq. (H3)
     return np.linalg.inv(rule)[:, 1:-1]
-
-
-@compiled
-def is_film(
-    surface: FilmSurface, cells: float, piston_modes: int, block_modes: int, limits: Limits
-) -> bool:
-    """Return whether a surface from a file has these sizes, and its splines cover the bore."""
-    skirt = surface.skirt
-    bore = surface.bore
-    c, a = skirt.gap.shape
-    rows = bore.radial.table.shape[1] // bore.radial.part
-    fits = len(skirt.rows) * a == cells and len(skirt.rows) >= c and bore.shape.shape[1] == c
-    fits = fits and (len(bore.shape) == 0 or len(bore.shape) == rows)
-    fits = fits and is_field(skirt.radial, c, a, piston_modes)
-    fits = fits and is_field(skirt.axial, c, a, piston_modes)
-    fits = fits and is_field(bore.radial, c, rows, block_modes)
-    fits = fits and is_field(bore.axial, c, rows, block_modes)
-    below = limits.skirt_lower
-    for height in skirt.height:
-        fits = fits and below < height < limits.skirt_upper
-        below = height
-    first = (limits.bore_lower - bore.lowest) / bore.spacing
-    last = (limits.bore_upper - bore.lowest) / bore.spacing
-    return fits and first > 1.0 - ROUND_OFF and last < rows - 2 + ROUND_OFF  # Eq. (H5)
-
-
-ROUND_OFF = 1e-6
-"""Of the distance of knots; a grid row is farther than that from an edge of the skirt."""
 
 
 @compiled

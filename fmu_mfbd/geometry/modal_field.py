@@ -56,10 +56,10 @@ class ModalField(NamedTuple):
     """
 
     table: Annotated[NDArray[np.float32], "k, points"]
-    kind: Annotated[NDArray[np.int64], "k", "within(x, 0.0, 4.0)"]
-    classes: Annotated[int, "x == 1 or x == 2 or x == 4"]
-    part: Annotated[int, "x > 0"]
-    image: Annotated[NDArray[np.int64], "classes, part", "within(x, 0.0, points)"]
+    kind: Annotated[NDArray[np.int64], "k"]
+    classes: int
+    part: int
+    image: Annotated[NDArray[np.int64], "classes, part"]
     share: Annotated[np.ndarray, "part"]
 
 
@@ -125,14 +125,6 @@ def mirrors(angles: int) -> np.ndarray:
     i = np.arange(thrust + 1)
     across = 2 * thrust - i
     return np.stack([i, across, across + angles // 2, i + angles // 2]) % angles
-
-
-@compiled
-def is_field(field: ModalField, angles: int, rows: int, modes: int) -> bool:
-    """Return whether a field has these angles, rows and modes."""
-    own = field.part if field.classes == 1 else field.image.max() + 1
-    points = field.table.shape[1]
-    return own == angles and points == rows * field.part and len(field.table) == modes
 
 
 @compiled

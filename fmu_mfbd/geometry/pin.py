@@ -71,7 +71,7 @@ class PinSurface(NamedTuple):
     onward: Annotated[np.ndarray, "2, c"]
     radius: float
     clearance: Annotated[np.ndarray, "a"]
-    modes: Annotated[ShellModes, "x.cells == c * a"]
+    modes: ShellModes
     axis: Annotated[np.ndarray, "a, n"]
 
 

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...master.fmi.block import checker, flatten, reader, row_of
+from ...master.fmi.block import flatten, reader, row_of
 from ...master.fmi.compiled import compilable
-from .film import BoreSplines, FilmSurface, Limits, Skirt, is_film, knot_rule
+from .film import BoreSplines, FilmSurface, Skirt, knot_rule
 from .pin import PinSurface
 
 HEAD = 1
@@ -19,9 +19,6 @@ HEAD = 1
 _skirt = reader(Skirt)
 _bore = reader(BoreSplines)
 put_pin_surface, _pin_surface = flatten(PinSurface)
-_check_skirt = checker(Skirt)
-_check_bore = checker(BoreSplines)
-_check_pin_surface = checker(PinSurface)
 
 
 # ---- in Python
@@ -101,50 +98,3 @@ def pins_of(block: np.ndarray) -> int:
 def pin_surface_at(block: np.ndarray, k: int) -> PinSurface:
     """Return the k-th film of pin and crank; its arrays are views of the block."""
     return _pin_surface(row_at(block, k))
-
-
-# ---- blocks from a file
-
-
-@compilable
-def are_rows(block: np.ndarray, count: int) -> bool:
-    """Return whether a block has so many rows, each of which begins in it."""
-    first = HEAD + count
-    if len(block) < first or block[0] != count:
-        return False
-    for k in range(HEAD, first):
-        if not first <= block[k] < len(block) or block[k] != np.floor(block[k]):
-            return False
-    return True
-
-
-@compilable
-def are_films(
-    block: np.ndarray, cells: np.ndarray, piston_modes: int, block_modes: int, limits: Limits
-) -> bool:
-    """Return whether a block has film surfaces of so many cells."""
-    if len(cells) == 0 or not are_rows(block, 2 * len(cells)):
-        return False
-    for k in range(len(cells)):
-        if _check_skirt(row_at(block, 2 * k)) < 0 or _check_bore(row_at(block, 2 * k + 1)) < 0:
-            return False
-        if not is_film(surface_at(block, k), cells[k], piston_modes, block_modes, limits):
-            return False
-    return True
-
-
-@compilable
-def are_pins(block: np.ndarray, cells: np.ndarray, most: np.ndarray) -> bool:
-    """Return whether a block has films of a pin of so many cells, or none.
-
-    most : number of modes of the shell of each film; a film of a rigid shell has none.
-    """
-    if not are_rows(block, len(cells)) or len(cells) != 0 and len(cells) != len(most):
-        return False
-    for k in range(len(cells)):
-        if _check_pin_surface(row_at(block, k)) < 0:
-            return False
-        count, modes = pin_surface_at(block, k).modes.outward.shape
-        if count != cells[k] or modes != 0 and modes != most[k]:
-            return False
-    return True

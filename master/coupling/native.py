@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fmi.block import keep
 from ..fmi.compiled import compiled
-from ..fmi.native_parts import NOWHERE, NativePart, tell_size
+from ..fmi.native_parts import NOWHERE, NativePart
 from ..fmi.noted import refuse, remark, take_over
 from .methods.krylov import forget
 from .native_block import (
@@ -19,10 +19,8 @@ from .native_block import (
     SOLVED,
     CoupledState,
     LastMacroStep,
-    ParticipantRow,
     exposed_from,
     given_of,
-    is_sound,
     is_state,
     last_from,
     nothing_yet,
@@ -34,7 +32,6 @@ from .native_block import (
     state_of,
 )
 from .native_system import (
-    SIZE,
     START,
     System,
     call,
@@ -42,7 +39,6 @@ from .native_system import (
     find,
     integer_of,
     is_fed_well,
-    native_part,
     read,
     real_of,
     restore,
@@ -52,11 +48,6 @@ from .native_system import (
 )
 from .stepping import REPETITIONS
 from .vector import MOST_STEPS, extrapolate, is_longer, joined, macro_step_end, moved
-
-AT_REAL, AT_INTEGER, AT_MEMORY, AT_MEMORIES = map(
-    ParticipantRow._fields.index, ("real", "integer", "memory", "memories")
-)
-"""Positions in `ParticipantRow` that front/parts.c reads."""
 
 # ---- between the outside and the participants
 
@@ -365,35 +356,6 @@ def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
 
 
 @compiled
-def contents_fit(memory: np.ndarray):
-    """Return whether the contents of all participants are sound, and have the sizes of their rows.
-
-    A participant's entry `size` checks them as in its own file.
-    """
-    given = given_of(memory)
-    for p in range(len(given.participants)):
-        one = participant_from(given.participants[p])
-        row = given.participants[p].copy()
-        row[AT_REAL] = row[AT_INTEGER] = row[AT_MEMORY] = 0.0
-        row[AT_MEMORIES] = one.given
-        found = np.zeros(4)
-        contents = given.contents[one.contents :]
-        if native_part(int(SIZE), row.ctypes, contents.ctypes, found.ctypes) != 0:
-            return False
-        own = np.array((one.memories, one.first_state, one.states, one.first_fault))
-        for k in range(len(own)):
-            if found[k] != own[k]:
-                return False
-    return True
-
-
-@compiled
-def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Write the head of the memory into `numbers`, as `tell_size`."""
-    tell_size(memory, numbers, is_sound(real, integer, memory) and contents_fit(memory))
-
-
-@compiled
 def clear(memory: np.ndarray):
     """Initialise the parts of the memory that change."""
     parts = parts_of(memory)
@@ -512,7 +474,7 @@ def iterate(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 
 
 PART = NativePart(
-    entries=(size, start, advance, tangent, iterate),
+    entries=(start, advance, tangent, iterate),
     given=np.asarray,  # native_given.coupled_inside has laid it out
     faults=tuple(SENTENCES.values()),
     refusal="",

@@ -7,11 +7,7 @@ import numpy as np
 
 from ..fmi.block import (
     alike,
-    checker,
     flatten,
-    given_part,
-    is_finite,
-    is_head,
     parts,
     reader,
     room_of,
@@ -19,7 +15,7 @@ from ..fmi.block import (
 from ..fmi.compiled import compilable, compiled
 from ..fmi.noted import DAMAGED_STATE, ROOM, numbers_of
 from .methods import iteration
-from .methods.krylov import KEPT, Pairs, no_pairs
+from .methods.krylov import Pairs, no_pairs
 from .stepping import WITHOUT_PARTS
 from .vector import TOO_LONG, Layout
 
@@ -46,9 +42,6 @@ ON_WIRE = numbers_of(WIRE_SENTENCES)
 # ---- what is given
 
 
-Count = Annotated[int, "x >= 0"]
-
-
 class ParticipantRow(NamedTuple):
     """Participant; front/parts.c reads the first seven numbers.
 
@@ -63,21 +56,21 @@ class ParticipantRow(NamedTuple):
     standing : position in `CoupledState.standing`.
     """
 
-    code: Count
-    real: Annotated[int, "x == begin"] = 0
-    reals: Count = 0
-    integer: Annotated[int, "x == real + reals"] = 0
-    integers: Count = 0
-    memory: Annotated[int, "x == integer + integers"] = 0
-    memories: Count = 0
-    first_state: Annotated[int, "has_room(x, states, memories)"] = 0
-    states: Count = 0
-    first_fault: Annotated[int, f"has_room(x, {ROOM}, memories)"] = 0
-    sentence: Count = 0
-    variables: Annotated[int, "0 <= x <= reals"] = 0
-    given: Annotated[int, "0 <= x <= memories"] = 0
-    contents: Annotated[int, "x == filled"] = 0
-    standing: Annotated[int, "x == stood"] = 0
+    code: int
+    real: int = 0
+    reals: int = 0
+    integer: int = 0
+    integers: int = 0
+    memory: int = 0
+    memories: int = 0
+    first_state: int = 0
+    states: int = 0
+    first_fault: int = 0
+    sentence: int = 0
+    variables: int = 0
+    given: int = 0
+    contents: int = 0
+    standing: int = 0
 
 
 class WireRow(NamedTuple):
@@ -88,22 +81,19 @@ class WireRow(NamedTuple):
     range of the input; columns : length of the last axis; sentence : number of its first sentence.
     """
 
-    source: Annotated[int, "0 <= x < len(participants)"]
-    source_place: Annotated[int, "has_room(x, elements, reals_of(participants, source))"]
-    target: Annotated[int, "0 <= x < len(participants)"]
-    target_place: Annotated[int, "has_room(x, elements, reals_of(participants, target))"]
-    seed: Annotated[int, "x == -1 or has_room(x, elements, reals_of(participants, target))"]
-    product: Annotated[
-        int,
-        "x == -1 and not is_fed or has_room(x, elements, reals_of(participants, source))",
-    ]
-    first: Annotated[int, "x == begin"]
-    elements: Annotated[int, "x >= 0 and first + x == end"]
+    source: int
+    source_place: int
+    target: int
+    target_place: int
+    seed: int
+    product: int
+    first: int
+    elements: int
     is_unknown: bool
-    low: Annotated[float, "not np.isnan(x)"] = -inf
-    high: Annotated[float, "not np.isnan(x)"] = inf
-    columns: Annotated[int, "x > 0"] = 1
-    sentence: Count = 0
+    low: float = -inf
+    high: float = inf
+    columns: int = 1
+    sentence: int = 0
 
 
 class ExposedRow(NamedTuple):
@@ -114,11 +104,11 @@ class ExposedRow(NamedTuple):
     """
 
     is_integer: bool
-    place: Annotated[int, "has_room(x, length, integers if is_integer else reals)"]
-    owner: Annotated[int, "0 <= x < len(participants)"]
-    own_place: Annotated[int, "has_room(x, length, own_end(participants, owner, is_integer))"]
-    length: Count
-    reserved: Annotated[int, "x == -1 or not is_integer and has_room(x, length, reals)"]
+    place: int
+    owner: int
+    own_place: int
+    length: int
+    reserved: int
     nominal: float
 
 
@@ -131,15 +121,15 @@ class Rules(NamedTuple):
     step: float
     lenience: float
     nudge: float
-    predicted: Annotated[int, "0 < x <= 10"]
-    halvings: Annotated[int, "0 <= x <= 30"]
-    max_iterations: Annotated[int, "0 < x <= 10000"]
-    largest_krylov_space: Annotated[int, "0 <= x <= 10000"]
+    predicted: int
+    halvings: int
+    max_iterations: int
+    largest_krylov_space: int
     accuracy: float
     forcing: float
 
 
-ExposedRows = Annotated[Array, "n, m", "are_exposed(x, participants, reals, integers)"]
+ExposedRows = Annotated[Array, "n, m"]
 
 
 class ExposedVariables(NamedTuple):
@@ -161,14 +151,14 @@ class CoupledSetup(NamedTuple):
 
     rules: Rules
     layout: Layout
-    standing: Count
-    pairs: Annotated[int, f"x == min({KEPT}, len(layout.unknowns))"]
-    order: Annotated[Array, "count", "within(x, 0.0, count)"]
-    starting: Annotated[Array, "count", "within(x, 0.0, count)"]
-    participants: Annotated[Array, "count, m", "are_participants(x, standing, contents)"]
-    wires: Annotated[Array, "n, m", "are_wires(x, participants, layout.ends, layout.size)"]
+    standing: int
+    pairs: int
+    order: Annotated[Array, "count"]
+    starting: Annotated[Array, "count"]
+    participants: Annotated[Array, "count, m"]
+    wires: Annotated[Array, "n, m"]
     exposed: ExposedVariables
-    contents: Annotated[Array, "n", "True"]
+    contents: Annotated[Array, "n"]
 
 
 # ---- what changes
@@ -226,76 +216,6 @@ _has_lengths = alike(CoupledState)
 put_last, last_from = flatten(LastMacroStep)
 
 
-# ---- what a file may hold
-
-
-@compilable
-def own_end(participants: Array, p: int, is_integer: bool):
-    """Return the number of real or integer variables of a participant."""
-    one = participant_from(participants[p])
-    return one.integers if is_integer else one.reals
-
-
-@compilable
-def reals_of(participants: Array, p: int):
-    """Return the number of real variables of a participant, 0 if there is none of this number."""
-    return own_end(participants, p, False) if 0 <= p < len(participants) else 0
-
-
-_check_participant = checker(ParticipantRow, "begin, filled, stood")
-_check_wire = checker(WireRow, "participants, is_fed, begin, end", reals_of=reals_of)
-_check_exposed = checker(ExposedRow, "participants, reals, integers", own_end=own_end)
-
-
-@compilable
-def are_participants(rows: Array, standing: int, contents: Array):
-    """Return whether all `ParticipantRow` are consecutive, and their real variables finite."""
-    begin = 0
-    filled = 0
-    stood = 0
-    for p in range(len(rows)):
-        if _check_participant(rows[p], begin, filled, stood) != rows.shape[1]:
-            return False
-        one = participant_from(rows[p])
-        begin = one.memory + one.memories
-        first = filled + one.given
-        filled = first + one.reals + one.integers
-        stood += one.variables + one.states
-        if filled > len(contents) or not is_finite(contents[first : first + one.reals]):
-            return False
-    return begin > 0 and filled == len(contents) and stood == standing
-
-
-@compilable
-def are_wires(rows: Array, participants: Array, ends: Array, size: int):
-    """Return whether all `WireRow` are consecutive."""
-    begin = 0
-    if len(rows) != len(ends):
-        return False
-    for w in range(len(rows)):
-        is_fed = False
-        for other in range(len(rows)):
-            is_fed = is_fed or rows[other, TARGET] == rows[w, 0]
-        end = int(ends[w])
-        if _check_wire(rows[w], participants, is_fed, begin, end) != rows.shape[1]:
-            return False
-        begin = end
-    return begin == size
-
-
-TARGET = WireRow._fields.index("target")
-
-
-@compilable
-def are_exposed(rows: Array, participants: Array, reals: int, integers: int):
-    """Return whether all `ExposedRow` point to variables."""
-    for k in range(len(rows)):
-        if _check_exposed(rows[k], participants, reals, integers) != rows.shape[1]:
-            return False
-    return True
-
-
-@compilable
 def lengths_of(given: CoupledSetup, inside: int, reals: int):
     """Return the lengths of all parts after the first one, and the end that is not saved.
 
@@ -303,40 +223,17 @@ def lengths_of(given: CoupledSetup, inside: int, reals: int):
     """
     size, unknowns = len(given.layout.nominal), len(given.layout.unknowns)
     state = _room_of_state(given.standing, given.rules.predicted, size, given.pairs, unknowns)
-    lengths = inside, state, state, _room_of_last(reals), int(ROOM), int(ROOM)
+    lengths = inside, state, state, _room_of_last(reals), ROOM, ROOM
     return lengths, _room_of_pairs(given.pairs, unknowns)
 
 
-_check = checker(
-    CoupledSetup,
-    "reals, integers",
-    are_participants=are_participants,
-    are_wires=are_wires,
-    are_exposed=are_exposed,
-)
 SOLVED, FOUND = 2, 3
 """Positions in the numbers of `native.iterate`, behind step and time: 1 if there is a solution, and
 the first of what `find` notes.
 """
-PARTS = float(len(CoupledMemory._fields))
 _room_of_state = room_of(CoupledState, "standing, predicted, size, pairs, unknowns")
 _room_of_pairs = room_of(Pairs, "pairs, unknowns")
 _room_of_last = room_of(LastMacroStep, "reals")
-
-
-@compilable
-def is_sound(real: Array, integer: Array, memory: Array):
-    """Return whether a memory from a file has no position or length out of range.
-
-    The contents of the participants are not checked.
-    """
-    row = given_part(memory, PARTS, _check, len(real), len(integer))
-    if len(row) == 0:
-        return False
-    given = given_from(row)
-    end = participant_from(given.participants[len(given.participants) - 1])
-    lengths, unsaved = lengths_of(given, end.memory + end.memories, len(real))
-    return is_head(memory, lengths, 1.0, unsaved)
 
 
 @compilable

@@ -23,7 +23,7 @@ from .native_block import (
 )
 from .vector import Evaluation, Layout, largest
 
-SIZE, START, ADVANCE, TANGENT = map(float, range(4))
+START, ADVANCE, TANGENT = map(float, range(3))
 """Entries by their number."""
 
 native_part = types.ExternalFunction(

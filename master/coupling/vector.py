@@ -28,12 +28,12 @@ class Layout(NamedTuple):
     """
 
     ends: Annotated[Positions, "wires"]
-    unknowns: Annotated[Positions, "unknowns", "within(x, 0.0, size)"]
-    half: Annotated[Positions, "represented", "within(x, 0.0, size)"]
-    images: Annotated[Positions, "represented", "within(x, 0.0, size)"]
+    unknowns: Annotated[Positions, "unknowns"]
+    half: Annotated[Positions, "represented"]
+    images: Annotated[Positions, "represented"]
     nominal: Annotated[Array, "size"]
-    tolerance: Annotated[Array, "size", "True"]
-    largest_decrease: Annotated[Array, "wires", "True"]
+    tolerance: Annotated[Array, "size"]
+    largest_decrease: Annotated[Array, "wires"]
 
 
 class Evaluation(NamedTuple):

@@ -3,12 +3,8 @@
 The annotations of a tree state its content: numbers, further named tuples, and arrays with their
 shapes, `Annotated[NDArray, "n_c, n_a + 1"]`. A row holds the leaves in the order of declaration.
 The lengths of an array precede its values, so an absent array takes one length of 0.
-
-A further text is a condition on the leaf `x`, `Annotated[int, "0 <= x < reals"]`, which `checker`
-applies to rows from a file.
 """
 
-import ast
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Annotated, Any, cast, get_args, get_origin, get_type_hints
@@ -37,13 +33,6 @@ def shape_of(hint: Any) -> list[str]:
     return [] if type_of(hint) in (float, int, bool) else get_args(hint)[1].split(", ")
 
 
-def condition_of(hint: Any) -> str:
-    """Return the condition in an annotation, empty if there is none."""
-    texts = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
-    is_array = not hasattr(hint, "_fields") and shape_of(hint)
-    return "".join(texts[1:] if is_array else texts)
-
-
 def element_of(hint: Any) -> Any:
     """Return the element type in an array's annotation."""
     of_array = get_args(type_of(hint))
@@ -67,8 +56,8 @@ def row_of(tree: Any) -> np.ndarray:
 # ---- memory of a participant: a head, then parts
 
 FIRST_STATE, STATES, FAULTS, PARTS_FROM = range(1, 5)
-"""The head: total length, position and length of the state, position of the faults (the result
-of the entry `size`), then the positions of the parts."""
+"""The head: total length, position and length of the state, position of the faults, which
+front/native.c reads, then the positions of the parts."""
 
 
 def memory_of(
@@ -248,29 +237,6 @@ def alike(kind: Any) -> Any:
     return compilable(has_lengths)
 
 
-# ---- checks of rows from a file
-
-LARGEST = 2.0**53
-"""Bound of whole numbers that a float64 holds exactly."""
-
-
-@compilable
-def end_of(row: np.ndarray, at: int, axes: float, per_word: float) -> int:
-    """Return the position after the array of so many axes at a position, -1 if it does not fit."""
-    first = at + int(axes)
-    if first > len(row):
-        return -1
-    size = 1
-    for k in range(at, first):
-        if not 0.0 <= row[k] <= 2 * len(row) or row[k] != np.floor(row[k]):
-            return -1
-        size *= int(row[k])
-        if size > 2 * len(row):
-            return -1
-    end = first + int(np.ceil(size / per_word))
-    return end if end <= len(row) else -1
-
-
 @compilable
 def is_finite(x: np.ndarray) -> bool:
     """Return whether all elements are finite."""
@@ -279,143 +245,6 @@ def is_finite(x: np.ndarray) -> bool:
         if not np.isfinite(flat[k]):
             return False
     return True
-
-
-@compilable
-def within(x: np.ndarray, low: float, end: float) -> bool:
-    """Return whether all elements are whole numbers from `low` to below `end`."""
-    flat = x.reshape(x.size)
-    for k in range(len(flat)):
-        if not low <= flat[k] < end or flat[k] != np.floor(flat[k]):
-            return False
-    return True
-
-
-@compilable
-def has_room(first: float, size: int, end: int) -> bool:
-    """Return whether so many elements from a position on end before `end`, or there are none."""
-    return size == 0 or (0.0 <= first <= end - size and first == np.floor(first))
-
-
-CONDITIONS = {"end_of": end_of, "is_finite": is_finite, "within": within, "has_room": has_room}
-"""Functions in the conditions of all trees."""
-
-
-Names = dict[str, Any]
-"""Variables of the kernel by name of a tuple's members and lengths; `Names` of a tuple inside."""
-
-
-def checker(kind: Any, arguments: str = "", **functions: Any) -> Any:
-    """Return the kernel that checks a row from a file, (row, *arguments).
-
-    It returns the position after the tree, or -1 if a length or a value does not fit. A length with
-    a name is the same in the tuple and in tuples inside it, except n and m. Numbers are finite,
-    counts whole. A condition, which replaces this, may use all names, `x` for its leaf, and the
-    members of a tuple. Conditions are checked after all lengths.
-
-    Parameters
-    ----------
-    kind : type
-        As of `reader`.
-    arguments : str
-        Names that conditions use.
-    functions
-        Functions that conditions use.
-    """
-    scope: dict[str, Any] = {"np": np, "read_singles": read_singles, **READERS, **CONDITIONS}
-    lines, conditions = ["at = 0"], list[tuple[str, list[Names]]]()
-    names = dict.fromkeys(filter(None, arguments.split(", ")))
-    _check(kind, "tree", [{name: name for name in names}], (lines, conditions))
-    for text, scopes in conditions:
-        lines += [f"if not ({_translated(text, scopes)}):", "    return -1"]
-    row = ", ".join(["row", *names])
-    return _made(row, [*lines, "return at"], scope | functions)
-
-
-def _check(kind: Any, path: str, outer: list[Names], out: tuple[list[str], list[Any]]) -> Names:
-    """Append the lines that read a tuple, and its conditions; return its names."""
-    lines, conditions = out
-    own: Names = {}
-    scopes = [own, *outer]
-    for name, hint in get_type_hints(kind, include_extras=True).items():
-        leaf = f"{path}_{name}"
-        if hasattr(hint, "_fields"):
-            own[name] = _check(type_of(hint), leaf, scopes, out)
-            condition = condition_of(hint)
-        else:
-            lines += _reading(hint, leaf)
-            for k, length in enumerate(shape_of(hint)):
-                _bind(length, f"{leaf}.shape[{k}]", f"{path}_{length}_", scopes, lines)
-            if not shape_of(hint):
-                _bind(name, leaf, leaf, scopes, lines)
-            own[name] = leaf
-            condition = condition_of(hint) or _usual(hint)
-        if condition:
-            conditions.append((condition, [{"x": own[name]}, *scopes]))
-    return own
-
-
-def _usual(hint: Any) -> str:
-    """Return the condition on a leaf without one."""
-    if shape_of(hint):
-        return "" if element_of(hint) is np.int64 else "is_finite(x)"
-    return "np.isfinite(x)" if type_of(hint) is float else ""
-
-
-def _reading(hint: Any, leaf: str) -> list[str]:
-    """Return the lines that read a leaf, unless the row ends before, or its type differs."""
-    axes = len(shape_of(hint))
-    if not axes:
-        kind = type_of(hint).__name__
-        is_whole = f"row[at] == np.floor(row[at]) and abs(row[at]) <= {LARGEST}"
-        is_one = {"bool": "row[at] == 0.0 or row[at] == 1.0", "int": is_whole}
-        return [
-            f"if at >= len(row) or not ({is_one.get(kind, True)}):",
-            "    return -1",
-            f"{leaf} = {kind}(row[at])",
-            "at += 1",
-        ]
-    is_single = element_of(hint) is np.float32
-    lines = [
-        f"if end_of(row, at, {axes}.0, {2.0 if is_single else 1.0}) < 0:",
-        "    return -1",
-        f"{leaf}, at = read_{'singles' if is_single else axes}(row, at)",
-    ]
-    return lines + [f"{leaf} = {leaf}.view(np.int64)"] * (element_of(hint) is np.int64)
-
-
-ANY_LENGTH = ("n", "m")
-"""Names of lengths that may differ between arrays."""
-
-
-def _bind(length: str, actual: str, variable: str, scopes: list[Names], lines: list[str]) -> None:
-    """Append the lines that compare a length, or name it at its first appearance."""
-    if length in ANY_LENGTH:
-        return
-    if length.isidentifier() and not any(length in names for names in scopes):
-        scopes[0][length] = variable
-        lines.append(f"{variable} = {actual}")
-    else:
-        lines += [f"if {actual} != {_translated(length, scopes)}:", "    return -1"]
-
-
-def _translated(text: str, scopes: list[Names]) -> str:
-    """Return an expression with the variables of the kernel for its names."""
-
-    def variable(node: Any) -> Any:
-        if isinstance(node, ast.Name):
-            return next((names[node.id] for names in scopes if node.id in names), None)
-        inside = variable(node.value) if isinstance(node, ast.Attribute) else None
-        return cast(Names, inside).get(node.attr) if isinstance(inside, dict) else None
-
-    class Translation(ast.NodeTransformer):
-        def generic_visit(self, node: Any) -> Any:
-            name = variable(node)
-            if isinstance(name, str):
-                return ast.Name(name, ast.Load())
-            return super().generic_visit(node)
-
-    return ast.unparse(Translation().visit(ast.parse(text, mode="eval")))
 
 
 def length_of(kind: Any) -> Any:
@@ -432,39 +261,6 @@ def room_of(kind: Any, names: str) -> Any:
     shapes = [shape_of(hint) for _, hint in leaves(kind)]
     sizes = (f"{len(shape)} + {' * '.join(f'({one})' for one in shape) or 1}" for shape in shapes)
     return _made(names, [f"return {' + '.join(sizes)}"], {})
-
-
-@compilable
-def given_part(
-    memory: np.ndarray, parts: float, check: Any, reals: int, integers: int
-) -> np.ndarray:
-    """Return the first of so many parts from a file, empty if it is that of another memory.
-
-    The file ends with this part. `check` is its `checker`.
-    """
-    first = PARTS_FROM + int(parts) + 1
-    fits = len(memory) > first and memory[PARTS_FROM] == first
-    row = memory[first if fits and memory[PARTS_FROM + 1] == len(memory) else len(memory) :]
-    is_whole = len(row) > 0 and check(row, reals, integers) == len(row)
-    return row if is_whole else row[len(row) :]
-
-
-@compilable
-def is_head(memory: np.ndarray, lengths: Any, state: float, unsaved: int) -> bool:
-    """Return whether a head from a file is that of `memory_of` for these lengths.
-
-    lengths : tuple, of the parts after the given one, the faults last; state : its number in them.
-    """
-    end = len(memory)
-    first_state = first = end
-    for k in range(len(lengths)):
-        first = end
-        first_state = first if k == int(state) else first_state
-        end += lengths[k]
-        if memory[PARTS_FROM + 2 + k] != end:
-            return False
-    fits = memory[FIRST_STATE] == first_state and memory[FAULTS] == first
-    return fits and memory[STATES] == lengths[int(state)] - unsaved and memory[0] == end
 
 
 def _made(arguments: str, lines: list[str], scope: dict[str, Any]) -> Any:

@@ -56,7 +56,7 @@ AHEAD = Path(__file__).parent / "libraries"
 SOURCES = ("native.c", "runtime.c", "common.c")
 OF_COUPLED = "parts.c"
 """Additional source of a coupled FMU, whose entries call those of its participants."""
-ENTRIES = ("size", "start", "advance", "tangent")
+ENTRIES = ("start", "advance", "tangent")
 FRONTS = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
 NEW_PASSES = (0, 44)
 """First version of llvmlite with `create_pass_builder`, which native_code uses."""

@@ -30,22 +30,6 @@ def put_each(real: np.ndarray, places: np.ndarray, values: Any):
             real[int(places[k])] = values[k]
 
 
-@compiled
-def tell_size(memory: np.ndarray, numbers: np.ndarray, is_sound: bool):
-    """Write the head of a memory into `numbers`, negative if the memory is not sound.
-
-    They are total length, position and length of the state, and position of the faults.
-    """
-    for k in range(len(numbers)):
-        numbers[k] = memory[k] if is_sound else -1.0
-
-
-@compiled
-def size(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Write the head of a memory into `numbers`: an entry `size` that checks nothing."""
-    tell_size(memory, numbers, True)
-
-
 def symbol(package: str, name: str) -> str:
     """Return the symbol of a package's entry, since a library may contain several packages."""
     return f"{package.replace('.', '_')}_{name}"
@@ -63,7 +47,7 @@ class NativePart(NamedTuple):
     Attributes
     ----------
     entries : tuple of compiled.Kernel
-        size, start, advance and tangent, `front/native.h`: kernels of four arrays without result,
+        start, advance and tangent, `front/native.h`: kernels of four arrays without result,
         (real, integer, memory, numbers). They are real and integer variables of the FMU, its
         memory, and a few numbers of the call.
     given : callable

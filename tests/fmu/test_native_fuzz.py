@@ -1,6 +1,6 @@
 """Calls at random of a native FMU under AddressSanitizer.
 
-They include damaged files and states, and valid ones with other content.
+They include damaged states, and valid ones with other content.
 """
 
 import os
@@ -64,14 +64,9 @@ def fuzzed(request, version, make_native, native_bodies, native_engine, unpack, 
 
     def run(calls, seed):
         arguments = [str(calls), str(seed)]
-        scratch = folder / "scratch"
-        scratch.mkdir(exist_ok=True)
-        arguments.append(str(scratch))
         for k, path in enumerate(fmus):
             place = unpack(path, folder / str(k))
             resources = str(place.folder / "resources")
-            if not k:
-                (scratch / "token.txt").write_text(Path(resources, "token.txt").read_text())
             description = place.description
             token = description.guid or description.instantiationToken
             arguments += [resources, token, " ".join(map(str, sizes(description)))]
@@ -103,10 +98,10 @@ def sizes(description):
 def test_calls_at_random_touch_no_memory_but_their_own(fuzzed, calls, seed):
     """All calls return, and every damage is detected.
 
-    Hundreds of calls succeed, and hundreds are rejected. Of the files and states with new sums,
-    some are rejected and some run.
+    Hundreds of calls succeed, and hundreds are rejected. Of the states with new sums, some are
+    rejected and some run.
     """
-    well, refused, words, damaged, tried, rejected, forged = fuzzed(calls, seed)
+    well, refused, words, damaged, forged, tried = fuzzed(calls, seed)
     assert well > calls / 10 and refused > calls / 10 and words > calls / 20
-    assert damaged == tried == forged == calls // 5
-    assert 0.05 < rejected / forged < 0.95
+    assert damaged == tried == calls // 10
+    assert 0 < forged < tried

@@ -33,14 +33,6 @@ static void publish(double *real, const double *x)
         real[TOTAL] += real[X + k] = x[k];
 }
 
-int32_t toy_size(ARGUMENTS)
-{
-    UNUSED;
-    for (int64_t k = 0; k < lengths[3]; k++)
-        numbers[k] = memory[k];
-    return 0;
-}
-
 int32_t toy_start(ARGUMENTS)
 {
     UNUSED;

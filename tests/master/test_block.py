@@ -8,10 +8,7 @@ from numpy.typing import NDArray
 
 from piston_cosim.master.fmi.block import (
     alike,
-    checker,
     flatten,
-    given_part,
-    is_head,
     length_of,
     memory_of,
     reader,
@@ -19,7 +16,6 @@ from piston_cosim.master.fmi.block import (
     row_of,
 )
 from piston_cosim.master.fmi.compiled import compiled
-from piston_cosim.master.fmi.noted import ROOM
 
 
 class Branch(NamedTuple):
@@ -110,88 +106,16 @@ def test_bits_of_single_precision_and_whole_numbers_come_back(ready):
         assert same(found, table)
 
 
-# ---- rows from a file
-
-
-class Inside(NamedTuple):
-    """A tuple in another, which knows the lengths of that."""
-
-    place: Annotated[int, "has_room(x, cells, reals)"]
-    factor: float
-    of_cells: Annotated[np.ndarray, "cells"]
-
-
-class Setup(NamedTuple):
-    """Lengths with names, positions, flags and numbers of every kind."""
-
-    inside: Annotated[Inside, "x.factor > 0.0"]
-    field: Annotated[NDArray[np.float64], "cells, n"]
-    halves: Annotated[NDArray[np.float32], "2, cells"]
-    order: Annotated[NDArray[np.int64], "cells", "within(x, -1.0, cells)"]
-    is_wet: bool
-    anything: Annotated[NDArray[np.float64], "2", "True"]
-
-
-CELLS = 3
-FACTOR, OF_CELLS, FIELD, HALVES, ORDER, IS_WET = 1, 3, 8, 16, 20, 23
-"""Positions in the row of `Setup` where numbers begin."""
-FREE = {*range(OF_CELLS, OF_CELLS + 3), *range(FIELD, FIELD + 6), *range(HALVES, HALVES + 3)}
-"""Positions of numbers that may be any finite one."""
-
-
-def setup_row():
-    tree = Setup(
-        Inside(7, 0.5, np.ones(CELLS)),
-        np.ones((CELLS, 2)),
-        np.ones((2, CELLS), np.float32),
-        np.arange(CELLS) - 1,
-        True,
-        np.array([np.nan, np.inf]),
-    )
-    return row_of(tree)
-
-
-def test_checker_accepts_the_row_and_rejects_what_is_out_of_range(ready):
-    """Lengths, positions, whole numbers by their bits, and numbers that are not finite."""
-    row, reals = setup_row(), 7 + CELLS
-    check = ready(checker(Setup, "reals"))
-    assert check(row, reals) == len(row) == IS_WET + 4
-    assert check(row, reals - 1) == -1  # the cells of `place` end at 10
-    for k in range(IS_WET + 1):
-        for value in (4.0, -3.0, 0.25, np.nan, np.inf, 1e300):
-            other = row.copy()
-            other[k] = value
-            fits = np.isfinite(value) and (k in FREE or (k == FACTOR and value > 0.0))
-            fits = fits or (k == 0 and value == 4.0)
-            assert (check(other, reals) == len(row)) == fits, (k, value)
-    for end in range(len(row)):
-        assert check(row[:end], reals) == -1
-
-
 def test_lengths_of_kernels_are_those_of_rows():
     random = np.random.default_rng(1)
     tree = Tree(branch(random, 3, 4), 0.3, branch(random, 3, 4), random.random((2, 3, 4)))
     assert length_of(Tree)(tree) == room_of(Tree, "n, m")(3, 4) == len(row_of(tree))
 
 
-def test_head_from_a_file_fits_its_lengths_only():
+def test_the_head_of_a_memory():
     """Parts given, state, other and faults; a saved state omits the last of its five numbers."""
     given = np.arange(6.0)
-    memory = memory_of({"given": given}, {"state": 5, "other": 2, "faults": ROOM}, unsaved=1)
-
-    def first_of(memory, parts, end=6):
-        """Return the first part if its checker ends at a position."""
-        return given_part(memory, parts, lambda row, reals, integers: end, 0, 0)
-
-    assert np.array_equal(first_of(memory, 4.0), given)
-    assert len(first_of(memory, 4.0, end=5)) == len(first_of(memory, 4.0, end=-1)) == 0
-    lengths = 5, 2, int(ROOM)
-    assert is_head(memory, lengths, 0.0, 1)
-    assert not is_head(memory, (5, 3, ROOM), 0.0, 1) and not is_head(memory, lengths, 0.0, 0)
-    assert not is_head(memory, (5, 2, ROOM - 1), 0.0, 1)
-    assert len(first_of(memory, 3.0)) == len(first_of(memory[:-1], 4.0)) == 0
-    for k in range(len(memory) - len(given)):
-        other = memory.copy()
-        other[k] += 1.0
-        is_first = len(first_of(other, 4.0)) > 0
-        assert not (is_first and is_head(other, lengths, 0.0, 1)), k
+    memory = memory_of({"given": given}, {"state": 5, "other": 2, "faults": 7}, unsaved=1)
+    first = 9  # length of the head: four numbers, begins of the parts, and end
+    parts = first, first + 6, first + 11, first + 13, first + 20
+    assert np.array_equal(memory, [first + 20, first + 6, 5 - 1, first + 13, *parts, *given])

@@ -459,27 +459,24 @@ def altered(data, rng):
     return words.tobytes()
 
 
-COUNTS = [100, pytest.param(10_000, marks=pytest.mark.slow)]
-
-
 @pytest.mark.parametrize("fmu", ["native"], indirect=True)
-@pytest.mark.parametrize("count", COUNTS)
-def test_damaged_model_files_give_a_sentence(toy, count):
-    """The model description knows the sums of the file, so no altered one goes with it."""
+def test_damaged_model_files_give_a_sentence(toy):
+    """The model description knows the sums of the file, so no other file goes with it."""
     path = toy.folder / "resources/slave.bin"
-    whole, rng = path.read_bytes(), np.random.default_rng(1)
+    whole = path.read_bytes()
     swapped = whole[:24] + whole[32:40] + whole[24:32] + whole[40:]
-    damaged = [whole[:40], whole[:-8], b"X" + whole[1:], swapped]
+    flipped = whole[:-5] + bytes([whole[-5] ^ 1]) + whole[-4:]
     try:
-        for file in (*damaged, *(altered(whole, rng) for _ in range(count))):
-            if file == whole:
-                continue
+        for file in (whole[:40], whole[:-8], whole[:-3], b"X" + whole[1:], swapped, flipped):
             path.write_bytes(file)
             with pytest.raises(BadInput, match="slave.bin is (cut short or )?damaged"):
                 toy.start({}, 0.0, 1.0)
             toy.close()
     finally:
         path.write_bytes(whole)
+
+
+COUNTS = [100, pytest.param(10_000, marks=pytest.mark.slow)]
 
 
 @pytest.mark.parametrize("count", COUNTS)

@@ -10,7 +10,7 @@
 
 static const char MARK[8] = "PCNATIV4";      /* the last digit is the version of the file */
 
-enum { FAULT_NUMBERS = 6, MOST_FAULTS = 24, SIZES = 4, LONGEST = 16384 };
+enum { FAULT_NUMBERS = 6, MOST_FAULTS = 24, LONGEST = 16384 };
 
 /* Description of a variable in the file: numbers, then ranges; texts are separate. */
 typedef struct { int64_t type, offset, size, causality, extent[3], choices; } Row;
@@ -24,6 +24,7 @@ typedef struct { int64_t reals, first_integer, integers, seeds, products, variab
 typedef struct {
     char *file;                         /* its content, into which the following pointers point */
     const Head *head;
+    const Block *block;                 /* seeds, then products */
     const Row *row;
     const Range *range;
     const double *start_real, *given;
@@ -42,8 +43,6 @@ typedef struct {
     char refused[LONGEST];              /* why there is no state, empty if there is one */
     Sums sums;                          /* of the file */
 } Native;
-
-static const char damaged[] = "is cut short or damaged";
 
 /* ---- the file ----------------------------------------------------------------------------------------------------- */
 
@@ -64,22 +63,15 @@ static char *read_whole(const char *path, size_t *size)
     return bytes;
 }
 
-/* Return `count` items of a size from the file and advance the cursor; NULL if the file is too short. */
-static const void *take(const char **cursor, const char *end, int64_t count, size_t size)
+/* Return `count` items of a size from the file and advance the cursor. */
+static const void *take(const char **cursor, int64_t count, size_t size)
 {
     const char *at = *cursor;
-    if (!at || count < 0 || (size_t)(end - at) / size < (size_t)count)
-        return *cursor = NULL;
     *cursor += (size_t)count * size;
     return at;
 }
 
-static const char *take_text(const char **cursor, const char *end)
-{
-    const char *at = *cursor, *stop = at ? memchr(at, 0, (size_t)(end - at)) : NULL;
-    *cursor = stop ? stop + 1 : NULL;
-    return stop ? at : "";
-}
+static const char *take_text(const char **cursor) { return take(cursor, (int64_t)strlen(*cursor) + 1, 1); }
 
 /* Mix the bits of a word. Sums of unmixed words do not notice two flipped signs. */
 static uint64_t mixed(uint64_t word)
@@ -111,30 +103,7 @@ static int is_whole(Sums sums, const char *token, size_t size)
     return size % sizeof(uint64_t) == 0 && strlen(token) > length && !strcmp(token + strlen(token) - length, told);
 }
 
-/* Return whether `size` items from a position on are among `all` items. */
-static int lies_in(int64_t first, int64_t size, int64_t all)
-{
-    return first >= 0 && size >= 0 && first <= all && size <= all - first;
-}
-
-/* Return whether the numbers of the head, the variables and the derivatives point to nothing outside the arrays. */
-static int is_consistent(const Head *h, const Row *row, const Block *block)
-{
-    int64_t causalities = TUNABLE + 1;
-    if (!lies_in(0, h->reals, h->first_integer) || h->given < SIZES)
-        return 0;
-    for (int64_t k = 0; k < h->variables; k++, row++)
-        if (!(row->type == REAL || row->type == INTEGER || row->type == CHOICE) || !lies_in(row->causality, 1, causalities)
-            || !lies_in(row->offset, row->size, row->type == REAL ? h->reals : h->integers) || row->choices < 0
-            || (row->type == CHOICE && row->size != 1))
-            return 0;
-    for (int64_t k = 0; k < h->seeds + h->products; k++, block++)
-        if (!lies_in(block->first, block->size, h->reals) || !lies_in(block->reserved, block->size, h->first_integer))
-            return 0;
-    return 1;
-}
-
-/* Set the pointers into the file; return NULL or the fault. */
+/* Set the pointers into the file; return NULL or the fault. A file with the right sums is one of `model_file.slave_file`. */
 static const char *lay_out(Native *N, const char *path, const char *token)
 {
     const char *scarce = "asks for more memory than there is";
@@ -142,45 +111,36 @@ static const char *lay_out(Native *N, const char *path, const char *token)
     N->file = read_whole(path, &size);
     if (!N->file)
         return "is not there, or is empty";
-    const char *cursor = N->file, *end = cursor + size;
     if (size < sizeof MARK || memcmp(N->file, MARK, sizeof MARK))
         return "is damaged, or of another version of piston-cosim";
-    take(&cursor, end, 1, sizeof MARK);
+    const char *cursor = N->file + sizeof MARK;
     N->sums = sums_of(cursor, size - sizeof MARK, (Sums){0, 0});
     if (!is_whole(N->sums, token, size))
-        return damaged;
-    const Head *h = N->head = take(&cursor, end, 1, sizeof *h);
-    if (!h || !lies_in(h->seeds, h->products, h->variables))
-        return damaged;
-    const Block *block = take(&cursor, end, h->seeds + h->products, sizeof *block);
-    N->row = take(&cursor, end, h->variables, sizeof(Row));
-    N->range = take(&cursor, end, h->variables, sizeof(Range));
-    N->start_real = take(&cursor, end, h->first_integer, sizeof(double));
-    N->start_integer = take(&cursor, end, h->integers, sizeof(int64_t));
-    N->given = take(&cursor, end, h->given, sizeof(double));
-    if (!cursor || !lies_in(0, h->texts, end - cursor) || !lies_in(0, h->faults, end - cursor)
-        || !is_consistent(h, N->row, block))
-        return damaged;
+        return "is cut short or damaged";
+    const Head *h = N->head = take(&cursor, 1, sizeof *h);
+    N->block = take(&cursor, h->seeds + h->products, sizeof *N->block);
+    N->row = take(&cursor, h->variables, sizeof(Row));
+    N->range = take(&cursor, h->variables, sizeof(Range));
+    N->start_real = take(&cursor, h->first_integer, sizeof(double));
+    N->start_integer = take(&cursor, h->integers, sizeof(int64_t));
+    N->given = take(&cursor, h->given, sizeof(double));
     N->words = calloc((size_t)h->variables + 1, sizeof *N->words);
     N->choices = calloc((size_t)h->texts + 1, sizeof *N->choices);
     N->fault = calloc((size_t)h->faults + 1, sizeof *N->fault);
     if (!N->words || !N->choices || !N->fault)
         return scarce;
-    const char **choice = N->choices, **last = choice + h->texts;
+    const char **choice = N->choices;
     for (int64_t k = 0; k < h->variables; k++) {
-        N->words[k].name = take_text(&cursor, end);
-        N->words[k].unit = take_text(&cursor, end);
+        N->words[k].name = take_text(&cursor);
+        N->words[k].unit = take_text(&cursor);
         N->words[k].choice = choice;
-        for (int64_t c = 0; c < N->row[k].choices; c++) {
-            if (choice == last)
-                return damaged;
-            *choice++ = take_text(&cursor, end);
-        }
+        for (int64_t c = 0; c < N->row[k].choices; c++)
+            *choice++ = take_text(&cursor);
     }
     for (int64_t k = 0; k < h->faults; k++)
-        N->fault[k] = take_text(&cursor, end);
-    N->refusal = take_text(&cursor, end);
-    return cursor ? NULL : damaged;
+        N->fault[k] = take_text(&cursor);
+    N->refusal = take_text(&cursor);
+    return NULL;
 }
 
 /* ---- sentences ---------------------------------------------------------------------------------------------------- */
@@ -499,25 +459,9 @@ static const char *make(Instance *I)
     if (lacking)
         return lacking;
     const Head *h = N->head;
-    const int64_t *blocks = (const int64_t *)((const char *)h + sizeof *h);
-    double sizes[SIZES];
-    N->lengths[0] = h->first_integer, N->lengths[1] = h->integers, N->lengths[2] = h->given, N->lengths[3] = 4;
-    N->memory = malloc((size_t)h->given * sizeof(double));
-    if (!N->memory)
-        return "asks for more memory than there is";
-    memcpy(N->memory, N->given, (size_t)h->given * sizeof(double));
-    if (pool_run(native_size, N->real, N->integer, N->memory, sizes, N->lengths))
-        return "does not go with this library";
-    const int64_t room = 1 + FAULT_NUMBERS * MOST_FAULTS, most = (int64_t)1 << 30;
-    for (int k = 0; k < SIZES; k++)
-        if (!(sizes[k] >= 0.0 && sizes[k] < (double)most))
-            return damaged;
-    if (sizes[0] < (double)h->given || !lies_in((int64_t)sizes[1], (int64_t)sizes[2], (int64_t)sizes[0])
-        || !lies_in((int64_t)sizes[3], room, (int64_t)sizes[0]))
-        return damaged;
-    free(N->memory);
-    N->lengths[2] = (int64_t)sizes[0];
+    const double *sizes = N->given;         /* `memory_of` in block.py */
     N->first_state = (int64_t)sizes[1], N->states = (int64_t)sizes[2], N->first_fault = (int64_t)sizes[3];
+    N->lengths[0] = h->first_integer, N->lengths[1] = h->integers, N->lengths[2] = (int64_t)sizes[0], N->lengths[3] = 4;
     N->memory = malloc((size_t)sizes[0] * sizeof(double));
     N->real = calloc((size_t)h->first_integer, sizeof(double));
     N->integer = calloc((size_t)h->integers + 1, sizeof(int64_t));
@@ -535,7 +479,7 @@ static const char *make(Instance *I)
     I->reals = h->reals, I->integers = h->integers, I->strings = 0;
     I->first_integer = h->first_integer, I->first_string = h->first_integer + h->integers;
     I->seeds = h->seeds, I->products = h->products, I->variables = h->variables;
-    I->seed = (Block *)blocks, I->product = (Block *)blocks + h->seeds;
+    I->seed = (Block *)N->block, I->product = (Block *)N->block + h->seeds;
     begin(I);
     return NULL;
 }

@@ -20,7 +20,6 @@ typedef int32_t Entering(void **result, void **raised, double *real, int64_t *in
                          const int64_t lengths[4]);
 
 /* The slave's entries, whatever their names in the object file (builder_native.link). */
-INTERNAL Entering native_size;       /* numbers: length of the memory; position and length of the state; position of the faults */
 INTERNAL Entering native_start;      /* state and outputs for the variables */
 INTERNAL Entering native_advance;    /* numbers[0], [1]: length of the step and its beginning [s]; [2]: was_saved */
 INTERNAL Entering native_tangent;    /* of the last step, from the seeds among the variables to the products */

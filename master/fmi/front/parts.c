@@ -8,17 +8,17 @@
 
 #define EXPORT __attribute__((visibility("default")))
 
-#define PART(package) INTERNAL Entering package##_size, package##_start, package##_advance, package##_tangent;
+#define PART(package) INTERNAL Entering package##_start, package##_advance, package##_tangent;
 PARTS
 #undef PART
 
-#define PART(package) {package##_size, package##_start, package##_advance, package##_tangent},
-static Entering *const entries[][4] = {PARTS};
+#define PART(package) {package##_start, package##_advance, package##_tangent},
+static Entering *const entries[][3] = {PARTS};
 #undef PART
 
 /* As `ParticipantRow` in master/coupling/native_block.py begins. */
 enum { CODE, REAL, REALS, INTEGER, INTEGERS, MEMORY, MEMORIES };
-enum { ADVANCE = 2 };                   /* as in master/coupling/native_system.py; other entries are derivatives */
+enum { ADVANCE = 1 };                   /* as in master/coupling/native_system.py; other entries are derivatives */
 enum { FIRST_CALLED = 256, WARNING = 1 };       /* as in master/coupling/compiled_newton.py */
 
 /* An instance, as `Called` in master/coupling/compiled_newton.py. Its variables are inputs, outputs, seeds, products. */

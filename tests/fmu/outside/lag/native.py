@@ -6,7 +6,7 @@ import numpy as np
 
 from piston_cosim.master.fmi.block import memory_of, parts
 from piston_cosim.master.fmi.compiled import compiled
-from piston_cosim.master.fmi.native_parts import NativePart, size
+from piston_cosim.master.fmi.native_parts import NativePart
 from piston_cosim.master.fmi.noted import ROOM, refuse
 from piston_cosim.master.fmi.slave import PRODUCT, SEED, reserved
 
@@ -79,7 +79,7 @@ def given(slave):
 
 
 PART = NativePart(
-    (size, start, advance, tangent),
+    (start, advance, tangent),
     given,
     ("step of {a} s is too long",),
     "",
