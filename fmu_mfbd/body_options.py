@@ -84,7 +84,7 @@ def _mode_count(value: Any) -> int | float:
     return error
 
 
-WITH_REDUCED = {"reduced", "modes", "tie", "pin_offset", "profiles", "orders"}
+WITH_REDUCED = {"reduced", "modes", "tie", "pin_offset", "profiles", "orders", "shape"}
 """Options of a reduced body of a file. `modes` is the number in it, and bosses need `tie`."""
 
 
@@ -256,6 +256,10 @@ class Body(PlacedMesh):
     """Whether the modes assume that the film is its own mirror image about the thrust plane. About
     half as many smooth pressure modes are then as accurate. A case whose film is not symmetric is
     rejected.
+    """
+    shape: Literal["cold", "hot"] | None = None
+    """Whether the profile of the wall is that at reference_temperature or that of the running
+    engine. A hot shape does not grow with the temperatures. Default: cold, with a remark.
     """
     modes_from: Annotated[int, Field(ge=1, le=400)] | None = None
     """Number of lowest modes from which `modes` are selected by their part in the deflection under

@@ -4,13 +4,11 @@ The result is the content of the FMU's resources.
 """
 
 import hashlib
-from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import fields, replace
 from importlib.util import find_spec
-from math import pi
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +16,7 @@ from ..master.fmi.cache import cache_folder
 from ..master.fmi.errors import BadInput, for_all
 from ..master.fmi.symmetry import Symmetry, rejection
 from ..master.fmi.variables import Variable
-from .body_options import Block, Piston, ShapeTable
+from .body_options import Block, Piston
 from .dynamics.build_options import (
     BlockOptions,
     BoreGrid,
@@ -30,12 +28,11 @@ from .dynamics.build_options import (
     PistonOptions,
     SurfaceOptions,
 )
-from .dynamics.speed_table import SpeedTable, speed_table
-from .dynamics.start_state import StartState, check_modes, read_start
-from .dynamics.tables import GasTable, Rows, gas_table, inline_numbers, profile_table, read_numbers
+from .dynamics.start_state import StartState, check_modes
 from .geometry.grid import cell_centres, film_rows
-from .geometry.profile import BoreOrder, MeasuredShape
-from .options import BearingShell, Bodies, Build, Gas, SmallEnd, Speed, read_options
+from .geometry.profile import BoreOrder
+from .input_tables import NO_TABLES, Tables, read_tables, read_temperatures
+from .options import BearingShell, Bodies, Build, SmallEnd, read_options
 from .reducing import Say, reduced_shell, reducing
 from .reduction.film_loads import Training, recorded_loads
 from .reduction.reduced_body import (
@@ -65,22 +62,6 @@ from .thrust_symmetry import (
 )
 from .variables import inputs, parameters, signals
 
-Given = TypeVar("Given")
-Table = TypeVar("Table")
-
-
-class Tables(NamedTuple):
-    """Everything that a build table names besides the bodies, read."""
-
-    skirt: tuple[MeasuredShape, ...]
-    bore: tuple[MeasuredShape, ...]
-    gas: GasTable | None
-    speed: SpeedTable | None
-    start: StartState | None
-
-
-NO_TABLES = Tables((), (), None, None, None)
-
 
 def options_schema() -> dict[str, Any]:
     """Return the JSON schema of the build table."""
@@ -99,7 +80,7 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
         return inputs((FilmGrid("", (4, 4)),)) + parameters()
     build = read_options(options, folder)
     modes = build.piston.most_modes() + build.block.most_modes()
-    ahead = options_ahead(build, NO_TABLES)
+    ahead = options_ahead(build, NO_TABLES._replace(temperatures=read_temperatures(build)))
     return signals(replace(ahead, piston=replace(ahead.piston, modes=modes)))
 
 
@@ -140,11 +121,14 @@ def options_ahead(build: Build, tables: Tables) -> BuildOptions:
     orders = tuple(BoreOrder(one.order, one.amplitude, one.phase) for one in build.block.orders)
     return BuildOptions(
         grid=build.grid,
-        piston=PistonOptions("", 0, pin_offset, tables.skirt),
-        block=BlockOptions("", 0, orders, tables.bore, bore_from_outside(build)),
+        piston=PistonOptions("", 0, pin_offset, tables.skirt, build.piston.shape == "hot"),
+        block=BlockOptions(
+            "", 0, orders, tables.bore, bore_from_outside(build), build.block.shape == "hot"
+        ),
         gas=tables.gas,
         speed=tables.speed,
         start=tables.start,
+        temperatures=tables.temperatures,
         surfaces=tuple(
             SurfaceOptions(one.name, one.rows[0] - 1, one.rows[1]) for one in build.film_surfaces
         ),
@@ -174,7 +158,7 @@ def symmetry(options: dict[str, Any], parameters: dict[str, Any], folder: Path) 
     """
     build = read_options(options, folder)
     tables = read_tables(build)
-    reasons = asymmetries(build, tables.skirt, tables.bore, parameters.get("pin_tilt", 0.0))
+    reasons = asymmetries(build, tables, parameters.get("pin_tilt", 0.0))
     in_plane = not (build.motion_in_space or build.block and build.block.bore_from_outside)
     can_halve = in_plane and build.grid[0] % 2 == 0
     return Symmetry(reasons, claims(build), IMAGES if build.floating_pin else {}, can_halve)
@@ -377,8 +361,7 @@ def _bodies(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[
     """Return `_reduced`; reject assumptions of a symmetric film with bodies that have none."""
     assumed = claims(build)
     if assumed:
-        tables = read_tables(build)
-        _reject(assumed, asymmetries(build, tables.skirt, tables.bore))
+        _reject(assumed, asymmetries(build, read_tables(build)))
     files = _reduced(build, progress, shapes)
     if assumed:
         _reject(assumed, _asymmetries(build, files, ODD_COMPLIANCE))
@@ -539,54 +522,3 @@ def _carried(name: str, body: ReducedBody | ReducedBosses) -> Path:
     if not path.exists():
         save(path, body)
     return path
-
-
-def read_tables(build: Build | Bodies) -> Tables:
-    """Read all tables before any long computation, with every fault in one message."""
-    faults = []
-
-    def tried(read: Callable[[Given], Table], given: Given) -> Table | None:
-        try:
-            return read(given)
-        except ValueError as error:
-            faults.append(str(error))
-            return None
-
-    piston, block = build.piston, build.block
-    skirt = [tried(_shape, table) for table in (piston.profiles if piston else ())]
-    bore = [tried(_shape, table) for table in (block.profiles if block else ())]
-    tables = Tables(
-        skirt=tuple(shape for shape in skirt if shape),
-        bore=tuple(shape for shape in bore if shape),
-        gas=tried(_gas, build.gas) if build.gas else None,
-        speed=tried(_speed, build.speed) if build.speed else None,
-        start=tried(read_start, build.start) if build.start else None,
-    )
-    if faults:
-        raise BadInput(faults)
-    return tables
-
-
-def _shape(table: ShapeTable) -> MeasuredShape:
-    return profile_table(table.file, table.angle_unit, table.height_unit, table.value_unit)
-
-
-def _rows(name: str, table: Gas | Speed) -> Rows:
-    """Return the numbers of a table in a file or in the case."""
-    if table.file:
-        return read_numbers(table.file)
-    return inline_numbers(f"{name}.points", table.points or [])
-
-
-def _gas(table: Gas) -> GasTable:
-    cycle = pi * table.strokes
-    return gas_table(_rows("gas", table), cycle, table.angle_unit, table.pressure_unit)
-
-
-def _speed(table: Speed) -> SpeedTable:
-    rows = _rows("speed", table)
-    cycle = pi * table.strokes
-    unit = table.time_unit or table.angle_unit
-    assert unit  # one of the two is given
-    over = "time" if table.time_unit else "angle"
-    return speed_table(rows, over, cycle, unit, table.speed_unit)

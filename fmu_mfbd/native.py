@@ -28,7 +28,6 @@ from ..master.fmi.symmetry import AUTOMATIC, WHOLE
 from .dynamics.assembly import (
     BodySetup,
     assembled,
-    body_faults,
     load_bodies,
     setup_of,
 )
@@ -39,6 +38,7 @@ from .dynamics.drive import Scalars
 from .dynamics.generalised_alpha import coefficients
 from .dynamics.half_films import check_even, check_half
 from .dynamics.model import MOTION
+from .dynamics.model_faults import body_faults
 from .dynamics.parameters import Parameters, Settings, settings_of
 from .dynamics.pin_instant import PinScalars
 from .dynamics.pin_shells import shell_modes_of
@@ -67,10 +67,12 @@ from .dynamics.step import (
     warning_of,
 )
 from .dynamics.system import RingForce
+from .dynamics.thermal_growth import FieldInputs, warm_walls
 from .geometry.film import NodalForces
 from .geometry.pin import PinForces
 from .mechanism.cylinder import EYE
-from .native_fields import forces_at, put_films, put_stacked
+from .native_fields import forces_at, gathered, put_films, put_stacked, scatter
+from .native_walls import WallPlaces, growths_of, wall_places
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS
 
 INTEGERS = ("gas_source", "crank_free", "film_symmetry")
@@ -161,6 +163,7 @@ class VariablePlaces(NamedTuple):
     skirt_tangent: FieldPlaces
     pins: FieldPlaces
     pins_tangent: FieldPlaces
+    walls: WallPlaces
 
 
 class NativeSetup(NamedTuple):
@@ -206,7 +209,7 @@ put_state, state_from = flatten(PistonState)
 is_state = alike(PistonState)
 put_last, last_from = flatten(StepEnd)
 length_of_model = length_of(BodyModel)
-_room_of_state = room_of(PistonState, "n, w, s")
+_room_of_state = room_of(PistonState, "n, w, s, g")
 _room_of_last = room_of(StepEnd, "n, m")
 
 
@@ -214,7 +217,7 @@ def lengths_of(setup: NativeSetup, model: int):
     """Return the lengths of all parts after the first one, with that of the model."""
     n = len(setup.start_position)
     m = max(n, len(FIXED))
-    state = _room_of_state(n, 0, 0)
+    state = _room_of_state(n, 0, 0, growths_of(setup.bodies, setup.places.walls))
     return model, state, state, _room_of_last(m, m), ROOM
 
 
@@ -282,6 +285,7 @@ def _places(slave) -> VariablePlaces:
         skirt_tangent=fields(skirt, (*FORCES, *FILM), of_tangent),
         pins=fields(pins, (*PIN_FORCES, *PIN_FILM)),
         pins_tangent=fields(pins, (*PIN_FORCES, *PIN_FILM), of_tangent),
+        walls=wall_places(slave),
     )
 
 
@@ -297,6 +301,10 @@ def inputs_of(real, places):
         PinForces(*forces_at(real, places.pins)),
         rings_from(get_each(real, places.rings)),
         carrier_from(get_each(real, places.carrier)),
+        FieldInputs(
+            gathered(real, places.walls.skirt, places.walls.skirt_cells),
+            gathered(real, places.walls.bore, places.walls.bore_cells),
+        ),
     )
 
 
@@ -309,6 +317,7 @@ def seeds_of(real, places):
         PinForces(*forces_at(real, places.pins_tangent)),
         rings_from(get_each(real, places.rings_seed)),
         FIXED,
+        FieldInputs(np.zeros(0), np.zeros(0)),
     )
 
 
@@ -324,6 +333,7 @@ def publish(real, integer, given, model, result):
     put_each(real, places.on_block, result.on_block)
     put_films(real, places.skirt, now.films.film_thickness, now.films.sliding_velocity)
     put_films(real, places.pins, instant.film_thickness, instant.circumferential_velocity)
+    scatter(real, places.walls.oil, places.walls.oil_cells, result.oil_temperature)
     put_each(real, places.skirt.work_error, now.films.work_error)
     put_each(real, places.pins.work_error, instant.work_error)
     first, last = modes_of(model)
@@ -358,6 +368,8 @@ def solve(real, integer, memory, c, before, crank, time):
     model = model_from(parts.model)
     inputs = inputs_of(real, given.places)
     remark(faults, warning_of(model, inputs))
+    surfaces = model.parts.system.surfaces
+    warm_walls(surfaces, model.cold, model.radii, model.settings, inputs.fields)
     others = others_at(model, inputs, crank)
     step = problem_of(c, before, crank, others)
     instant = instant_of(model, step, inputs)

@@ -38,6 +38,7 @@ from .body_options import (
 )
 from .geometry.pin import CRANK_SURFACES, PIN_SURFACES
 from .geometry.pin_shapes import MOST
+from .temperature_options import Temperatures
 
 
 class Table(BaseModel):
@@ -388,11 +389,28 @@ class Build(Common):
     """Options of the block. The mesh origin is on the bore axis at the height of the crank axis.
     Surfaces: bore, bolts.
     """
+    temperatures: Temperatures | None = None
+    """Temperatures of skirt and bore, from which the oil temperature of the films and the growth of
+    both walls follow. Default: the inputs piston_temperature and bore_temperature.
+    """
 
     @model_validator(mode="after")
     def _beside_a_bore_from_outside(self):
         if self.block.bore_from_outside and not self.mounted:
             raise ValueError("mounted: expected true with block.bore_from_outside, got false")
+        return self
+
+    @model_validator(mode="after")
+    def _beside_fields_of_temperature(self):
+        others = {
+            "motion_in_space": self.motion_in_space,
+            "block.bore_from_outside": self.block.bore_from_outside,
+        }
+        walls = self.temperatures and (self.temperatures.skirt, self.temperatures.bore)
+        if walls and any(wall.input for wall in walls):
+            if found := [name for name, given in others.items() if given]:
+                got = " and ".join(found)
+                raise ValueError(f"temperatures: expected no input with {got}, got one")
         return self
 
     @model_validator(mode="after")

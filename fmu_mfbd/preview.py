@@ -20,17 +20,18 @@ from .build import (
     eye_film,
     options_ahead,
     piston_about_pin,
-    read_tables,
 )
-from .dynamics.assembly import OwnParameters, ReducedBodies, faults, pin_beam
+from .dynamics.assembly import OwnParameters, ReducedBodies, pin_beam
 from .dynamics.build_options import BuildOptions
 from .dynamics.clearance import bore_shape, skirt_gap
 from .dynamics.contradictions import pin_radius
+from .dynamics.model_faults import faults
 from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters
 from .finite_elements.connections import aspect_ratios
 from .finite_elements.element import mass_properties, rigid_mass
 from .finite_elements.mesh import MeshFault
 from .geometry.grid import cell_centres
+from .input_tables import read_tables
 from .options import Build, read_options
 from .preview_picture import Shapes, draw_shapes
 from .preview_remarks import (

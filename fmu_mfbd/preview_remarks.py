@@ -7,10 +7,10 @@ import numpy as np
 
 from ..master.fmi.preview import Message
 from ..master.fmi.quantities import short
-from .build import Tables
 from .dynamics.parameters import Parameters
 from .dynamics.tables import GasTable
 from .finite_elements.mesh import Mesh
+from .input_tables import Tables
 from .options import Build
 from .preview_picture import Shapes
 from .profile_judgement import DROP, OVAL, judge_profile

@@ -11,12 +11,14 @@ from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from . import variables as table
-from .dynamics.assembly import OwnParameters, faults, load_bodies, model_of
+from .dynamics.assembly import OwnParameters, load_bodies, model_of
 from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
 from .dynamics.model import (
     MOTION,
+    NO_FIELD,
     NOT_CARRIED,
+    OIL,
     ON_BLOCK,
     ON_FLEXIBLE_BLOCK,
     Inputs,
@@ -24,9 +26,12 @@ from .dynamics.model import (
     PistonInBore,
     stacked,
 )
+from .dynamics.model_faults import faults
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
+    REFERENCE,
     TUNABLE,
+    WALL_PARAMETERS,
     AxisParameters,
     Damping,
     Parameters,
@@ -36,7 +41,17 @@ from .dynamics.parameters import (
 from .dynamics.state import PistonState
 from .dynamics.system import RingForce
 from .geometry.pin import PinForces
-from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS
+from .variables import (
+    BLOCK,
+    FILM,
+    FORCES,
+    PIN_FILM,
+    PIN_FORCES,
+    RINGS,
+    WALL_FIELDS,
+    WALL_LEVELS,
+    fixed_walls,
+)
 
 Kind = TypeVar("Kind")
 BORE = "bore_deflection"
@@ -71,7 +86,8 @@ class Mfbd(FieldSlave):
         skirt = self._of_films(FILM)
         block = ON_BLOCK if self.built.mounted else ()
         bore = ON_FLEXIBLE_BLOCK if self.built.block.bore_from_outside else ()
-        return (*skirt, *self._of_pins(PIN_FILM), *MOTION, *block, *bore)
+        oil = self._of_films((OIL,)) if self.built.temperatures else ()
+        return (*skirt, *self._of_pins(PIN_FILM), *MOTION, *block, *bore, *oil)
 
     @cached_property
     def force_fields(self) -> dict[str, list[str]]:
@@ -106,6 +122,9 @@ class Mfbd(FieldSlave):
             _taken(AxisParameters, values) if pin and pin.pin_shapes else None,
             {name: _taken(CRANK_PARAMETERS[name], values) for name in films},
             _taken(SpaceParameters, values) if options.in_space else None,
+            tuple(
+                _taken(WALL_PARAMETERS[name], values) for name in fixed_walls(options.temperatures)
+            ),
         )
         bodies = load_bodies(self.resources, options)
         if wrong := faults(bodies, options, parameters, own):
@@ -206,9 +225,14 @@ class Mfbd(FieldSlave):
             np.asarray(values.get(BORE, np.zeros((0, 0)))),
             float(values["load_torque"]),
             float(values["crankcase_pressure"]),
-            float(values["piston_temperature"]),
-            float(values["bore_temperature"]),
+            *(float(values.get(name, REFERENCE)) for name in WALL_LEVELS.values()),
+            *(self._wall_field(values, name) for name in WALL_FIELDS.values()),
         )
+
+    def _wall_field(self, values: dict[str, Any], name: str) -> np.ndarray:
+        """Return the temperature of a wall on its whole grid, empty if there is no such input."""
+        fields = [values[port] for port in (name, *self._of_films((name,))) if port in values]
+        return np.concatenate([one.ravel() for one in fields]) if fields else NO_FIELD
 
     def _pins(self, values: dict[str, Any]) -> tuple[PinForces, ...]:
         """Return the forces of the films of a floating pin."""

@@ -12,11 +12,20 @@ import numpy as np
 from ..master.fmi.quantities import short
 from ..master.fmi.symmetry import odd_part
 from .body_options import Block, Piston
+from .dynamics.build_options import WallTemperatures
 from .dynamics.clearance import measured
-from .dynamics.half_films import ODD_MODE, ODD_SHAPE, mirror_error, odd_start, on_cells
+from .dynamics.half_films import (
+    ODD_MODE,
+    ODD_SHAPE,
+    ODD_TEMPERATURE,
+    mirror_error,
+    odd_start,
+    on_cells,
+)
 from .dynamics.start_state import StartState
 from .geometry.grid import cell_centres
 from .geometry.profile import BoreOrder, MeasuredShape, fourier_bore
+from .input_tables import Tables
 from .options import Bodies, Build
 from .reduction.reduced_body import ReducedBlock, ReducedBody, ReducedPiston, load
 
@@ -49,19 +58,14 @@ def kind_of(body: Piston | Block) -> type[ReducedPiston] | type[ReducedBlock]:
     return ReducedPiston if isinstance(body, Piston) else ReducedBlock
 
 
-def asymmetries(
-    build: Build | Bodies,
-    skirt: Sequence[MeasuredShape],
-    bore: Sequence[MeasuredShape],
-    pin_tilt: float = 0.0,
-) -> list[str]:
+def asymmetries(build: Build | Bodies, tables: Tables, pin_tilt: float = 0.0) -> list[str]:
     """Return the reasons why bodies without modes are not their own mirror image.
 
     Parameters
     ----------
     build : Build or Bodies
-    skirt, bore : sequence of MeasuredShape
-        Its measured profiles.
+    tables : Tables
+        Its measured profiles and temperatures.
     pin_tilt : float
         Parameter of the FMU [rad].
     """
@@ -71,8 +75,8 @@ def asymmetries(
         found.append(f"parameters.pin_tilt ({pin_tilt:g} rad)")
     if build.motion_in_space:
         found.append("build.motion_in_space (roll and yaw)")
-    for name, profiles in (("piston", skirt), ("block", bore)):
-        if odd := _odd_shape(profiles, angle):
+    for name, profiles in (("piston", tables.skirt), ("block", tables.bore)):
+        if odd := _odd_part(profiles, angle, ODD_SHAPE):
             found.append(f"build.{name}.profiles (odd part of {short(odd, 'm')})")
     if build.block:
         orders = [BoreOrder(one.order, one.amplitude, one.phase) for one in build.block.orders]
@@ -81,18 +85,30 @@ def asymmetries(
             found.append(f"build.block.orders (odd part of {short(odd, 'm')})")
         if build.block.bore_from_outside:
             found.append("build.block.bore_from_outside (deflection of another participant)")
+    return found + _odd_temperatures(tables.temperatures, angle)
+
+
+def _odd_temperatures(temperatures: WallTemperatures | None, angle: np.ndarray) -> list[str]:
+    """Return the walls whose temperature differs from its mirror image, or may do so."""
+    found = []
+    for name in ("skirt", "bore") if temperatures else ():
+        wall = getattr(temperatures, name)
+        if wall.varies:
+            found.append(f"build.temperatures.{name} (field of another participant)")
+        elif wall.table and (odd := _odd_part([wall.table], angle, ODD_TEMPERATURE)):
+            found.append(f"build.temperatures.{name} (odd part of {short(odd, 'K')})")
     return found
 
 
-def _odd_shape(profiles: Sequence[MeasuredShape], angle: np.ndarray) -> float:
-    """Return the largest odd part of the sum of measured shapes [m], 0 for round-off."""
+def _odd_part(profiles: Sequence[MeasuredShape], angle: np.ndarray, round_off: float) -> float:
+    """Return the largest odd part of the sum of tables, 0 for round-off, in their unit."""
     if not profiles:
         return 0.0
     rows = np.unique(np.concatenate([one.height for one in profiles]))
     between = np.linspace(rows[0], rows[-1], 4 * len(rows))
     shape = measured(profiles, angle, np.union1d(rows, between))
     odd = float(np.abs(odd_part(np.asarray(shape))).max())
-    return odd if odd > ODD_SHAPE else 0.0
+    return odd if odd > round_off else 0.0
 
 
 def asymmetries_of_bodies(

@@ -1,16 +1,20 @@
 """Variables of the body FMU, with the names of the interface contract."""
 
-from dataclasses import fields
+from collections.abc import Mapping
+from dataclasses import fields, replace
 from math import pi
 from typing import Any, get_type_hints
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .dynamics.block_force import BlockForce
-from .dynamics.build_options import BoreGrid, BuildOptions, FilmGrid
+from .dynamics.build_options import BoreGrid, BuildOptions, FilmGrid, WallTemperatures
 from .dynamics.drive import Scalars
+from .dynamics.model import OIL
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
+    REFERENCE,
     TUNABLE,
+    WALL_PARAMETERS,
     AxisParameters,
     Parameters,
     PinParameters,
@@ -85,6 +89,12 @@ FORCE = (-1e9, 1e9)
 FAST = (-1e6, 1e6)
 """Ranges of gauge pressures [Pa], forces of the rings [N] and accelerations of a block."""
 GROWING = {"piston": "skirt", "bore": "bore"}
+WALL_LEVELS = {"skirt": "piston_temperature", "bore": "bore_temperature"}
+"""Wall -> input with the level of its temperature."""
+WALL_FIELDS = {"skirt": "skirt_temperature_field", "bore": "bore_temperature_field"}
+"""Wall -> field input of its temperature, which replaces the level."""
+WARMEST = (233.15, 573.15)
+"""Range of the temperature of a wall with a film, as of the oil [K]."""
 OTHER_INPUTS = (
     input_variable(
         "gas_pressure",
@@ -149,8 +159,8 @@ OTHER_INPUTS = (
         input_variable(
             f"{body}_temperature",
             "K",
-            f"Uniform temperature of the {body}, by which the {grows} grows evenly from "
-            "reference_temperature on",
+            f"Level of the temperature of the {body}, with which the {grows} grows from "
+            "reference_temperature on; it is even unless build options give a distribution",
             293.15,
             300.0,
             limits=(200.0, 1000.0),
@@ -240,6 +250,9 @@ def signals(options: BuildOptions) -> list[Variable]:
         answers = answers + of_modes(EYE_MODES, pin.small_end_modes)
     film = "main_bearing" in options.crank_surfaces()  # which has outputs of these names
     answers = answers + declared(BlockForce, ("main_bearing",) * film)
+    if walls := options.temperatures:
+        acting = warmed(acting, walls, options)
+        answers = answers + [oil_output(film) for film in films]
     if options.mounted:
         acting = acting + block_inputs()
     if outside := options.block.bore_from_outside:
@@ -251,7 +264,44 @@ def signals(options: BuildOptions) -> list[Variable]:
     )
     kinds += [CRANK_PARAMETERS[name] for name in options.crank_surfaces()]
     kinds += [SpaceParameters] * (options.in_space is not None)
-    return acting + answers + parameters(*kinds)
+    kinds += [WALL_PARAMETERS[name] for name in fixed_walls(walls)]
+    starts = {f"{name}_temperature_rise": getattr(walls, name).rise for name in fixed_walls(walls)}
+    return acting + answers + parameters(*kinds, starts=starts)
+
+
+def fixed_walls(walls: WallTemperatures | None) -> list[str]:
+    """Return the walls whose temperature the build options give, without those of field inputs."""
+    return [name for name in WALL_PARAMETERS if walls and not getattr(walls, name).varies]
+
+
+def warmed(
+    acting: list[Variable], walls: WallTemperatures, options: BuildOptions
+) -> list[Variable]:
+    """Return the inputs with the temperatures of walls: start values of levels, or fields."""
+    fixed = {WALL_LEVELS[name]: getattr(walls, name).level for name in fixed_walls(walls)}
+    others = [one for one in acting if one.name not in WALL_LEVELS.values()]
+    levels = [
+        replace(one, start=fixed[one.name], minimum=WARMEST[0], maximum=WARMEST[1])
+        for one in acting
+        if one.name in fixed
+    ]
+    shapes = {}
+    if walls.skirt.varies:
+        shapes = {f"{one.prefix}{WALL_FIELDS['skirt']}": one.shape for one in options.film_grids()}
+    if walls.bore.varies:
+        shapes[WALL_FIELDS["bore"]] = options.grid[0], walls.stations
+    text = "Temperature of the wall, with which it grows from reference_temperature on"
+    fields = [
+        input_variable(name, "K", text, REFERENCE, 300.0, shape, limits=WARMEST)
+        for name, shape in shapes.items()
+    ]
+    return others + levels + fields
+
+
+def oil_output(film: FilmGrid) -> Variable:
+    """Return the oil temperature of a film between walls whose temperatures are given."""
+    text = "Oil temperature, mean of both walls; the bore is read where the cell is now"
+    return output_variable(f"{film.prefix}{OIL}", "K", text, 300.0, film.shape)
 
 
 def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list[Variable]:
@@ -371,10 +421,14 @@ def bore_outputs(grid: BoreGrid) -> list[Variable]:
     ]
 
 
-def parameters(*own: type) -> list[Variable]:
-    """Return the parameters of `Parameters` and of further classes, e.g. `PinParameters`."""
+def parameters(*own: type, starts: Mapping[str, float] | None = None) -> list[Variable]:
+    """Return the parameters of `Parameters` and of further classes, e.g. `PinParameters`.
+
+    `starts` are start values that replace defaults.
+    """
     kinds = [Parameters, *own]
     defaults = {name: value for kind in kinds for name, value in vars(kind()).items()}
+    defaults |= starts or {}
     return [
         Variable(
             one.name,

@@ -2,14 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ...master.fmi.noted import none_yet, sentences_of
 from ...master.fmi.symmetry import FILM_SYMMETRIES
-from ..geometry.film import FilmSurface
+from ..geometry.film import FilmSurface, knot_rule
 from ..geometry.grid import film_rows
 from ..geometry.pin import PinSurface, ShellModes, pin_surface, relieved, shell_modes
 from ..geometry.pin_shapes import AxisShapes, Beam, HollowPin, free_beam
@@ -21,6 +20,7 @@ from ..geometry.surfaces import (
     pins_of,
     put_pin_surface,
     row_at,
+    surface_at,
     with_room,
 )
 from ..mechanism.cylinder import EYE, CylinderParts, cylinder_chain, integrators, motion_across
@@ -30,7 +30,7 @@ from ..reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston,
 from .bore_from_outside import outside_bore
 from .build_options import BuildOptions, FloatingPin
 from .clearance import machined, surfaces
-from .contradictions import FAULT, FAULTS, Fit, check, pin_radius
+from .contradictions import Fit, pin_radius
 from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, bore_wall
 from .half_films import half_films, is_halved
@@ -56,7 +56,7 @@ from .speed_table import SpeedTable
 from .step import BodyModel
 from .system import BodySystem
 from .tables import GasTable
-from .thermal_growth import Radii
+from .thermal_growth import Radii, cold_walls, free_radii
 
 PIN_LENGTH = 1.5
 """Length of a pin by the skirt's radius, for its inertia about a diameter: our own choice, pins end
@@ -90,14 +90,15 @@ class ReducedBodies(NamedTuple):
 class OwnParameters(NamedTuple):
     """Parameters of single parts in addition to `Parameters`, None or empty if there is none.
 
-    They are those of a floating pin, of one with shapes, of each film of the crank, and of a motion
-    in space.
+    They are those of a floating pin, of one with shapes, of each film of the crank, of a motion in
+    space, and of the temperatures of walls.
     """
 
     pin: PinParameters | None = None
     axis: AxisParameters | None = None
     crank: CrankParameters = {}
     space: SpaceParameters | None = None
+    walls: tuple[Any, ...] = ()
 
 
 NO_OWN = OwnParameters()
@@ -122,8 +123,14 @@ class BodySetup(NamedTuple):
     Parameters
     ----------
     fit : Fit
-    gas, gas_area, speed, mounted, radii
+    gas, gas_area, speed, mounted
         As of `BodyModel`.
+    radii : Radii
+        0 for a wall whose profile is that of the running engine.
+    skirt_field, bore_field : bool
+        Whether the temperatures of skirt and bore are field inputs.
+    bore_rule : ndarray, shape (knots, s)
+        As of `ColdWalls`; no rows if that of the bore is none.
     piston : FlexibleBody
         All modes, with springs of no meaning.
     gas_force, wall
@@ -142,6 +149,9 @@ class BodySetup(NamedTuple):
     speed: SpeedTable
     mounted: bool
     radii: Radii
+    skirt_field: bool
+    bore_field: bool
+    bore_rule: Annotated[np.ndarray, "n, m", "True"]
     piston: Annotated[FlexibleBody, "x.k == piston_modes"]
     gas_force: Annotated[np.ndarray, "piston_modes"]
     wall: Annotated[BoreWall, "x.k == block_modes"]
@@ -166,7 +176,9 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
     if needs.bore_growth_lower or needs.bore_growth_upper or options.block.bore_from_outside:
         films = with_room(films, len(block.heights))
     half: Sequence[FilmSurface] = ()
-    in_plane = not (options.in_space or options.block.bore_from_outside)
+    walls = options.temperatures
+    fields = (walls.skirt.varies, walls.bore.varies) if walls else (False, False)
+    in_plane = not (options.in_space or options.block.bore_from_outside or any(fields))
     if needs.film_symmetry != FILM_SYMMETRIES[0] and in_plane:
         half = half_films(films, (piston, block), options.start)
     contiguous = np.ascontiguousarray
@@ -176,7 +188,13 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
         gas_area=np.pi * block.radius**2,
         speed=options.speed or NO_SPEED,
         mounted=options.mounted,
-        radii=Radii(piston.radius, block.radius),
+        radii=Radii(
+            0.0 if options.piston.is_hot else piston.radius,
+            0.0 if options.block.is_hot else block.radius,
+        ),
+        skirt_field=fields[0],
+        bore_field=fields[1],
+        bore_rule=contiguous(knot_rule(len(block.heights))) if fields[1] else np.zeros((0, 0)),
         piston=FlexibleBody(
             mass=piston.mass,
             S=piston.S,
@@ -224,6 +242,8 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         springs.damping[:k],
     )
     slider_crank = mechanism(fit.piston_radius, fit.pin_offset, p)
+    radii = free_radii(setup.radii, len(surface_at(films, 0).skirt.temperature) > 0, p)
+    hot = machined(films, fit, p, radii)
     system = BodySystem(
         piston,
         StaticModes(
@@ -233,7 +253,7 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         standing(on_block.stiffness[m:]),
         slider_crank,
         tied_pin(piston, slider_crank, p.crank_unbalance),
-        machined(films, fit, p),
+        hot,
         fit.pin_offset,
         setup.gas_force,
         BoreWall(
@@ -250,7 +270,8 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     none = np.zeros(0)
     solid = p.pin_mass * pin_radius(fit.piston_radius, p) ** 2 / 2
     parts = chained(setup, p, system, solid, none, AxisShapes(none, none), pin_films(setup, p))
-    return BodyModel(parts, p, setup.gas, setup.gas_area, setup.speed, setup.mounted, setup.radii)
+    cold = cold_walls(hot, (setup.skirt_field, setup.bore_field), setup.bore_rule)
+    return BodyModel(parts, p, setup.gas, setup.gas_area, setup.speed, setup.mounted, radii, cold)
 
 
 @compilable
@@ -327,11 +348,15 @@ def pin_films(setup: BodySetup, p: Settings) -> np.ndarray:
 
 
 def assemble(
-    piston: ReducedPiston, block: ReducedBlock, options: BuildOptions, parameters: Parameters
+    piston: ReducedPiston,
+    block: ReducedBlock,
+    options: BuildOptions,
+    parameters: Parameters,
+    walls: tuple[Any, ...] = (),
 ) -> PistonInBore:
-    """Return the model of a piston on a tied pin."""
+    """Return the model of a piston on a tied pin; `walls` as of `OwnParameters`."""
     setup = setup_of(ReducedBodies(piston, block), options, parameters)
-    model = assembled(setup, settings_of(parameters))
+    model = assembled(setup, settings_of(parameters, *walls))
     tied = model.parts._replace(surfaces=pins_in_block(()))
     return _in_bore(model._replace(parts=tied), block, options)
 
@@ -354,8 +379,8 @@ def model_of(
     if own.pin:
         return assemble_floating(bodies, options, parameters, own)
     if own.space:
-        return assemble_in_space(bodies, options, parameters, own.space)
-    return assemble(bodies.piston, bodies.block, options, parameters)
+        return assemble_in_space(bodies, options, parameters, own.space, own.walls)
+    return assemble(bodies.piston, bodies.block, options, parameters, own.walls)
 
 
 def assemble_floating(
@@ -366,7 +391,7 @@ def assemble_floating(
     piston, block, bosses, _ = bodies
     axis = own.axis
     setup = setup_of(bodies, options, parameters)
-    p = settings_of(parameters, own.pin, *own.crank.values())
+    p = settings_of(parameters, own.pin, *own.crank.values(), *own.walls)
     model = assembled(setup, p)
     if axis:
         parts = model.parts
@@ -458,7 +483,11 @@ def pin_beam(
 
 
 def assemble_in_space(
-    bodies: ReducedBodies, options: BuildOptions, parameters: Parameters, space: SpaceParameters
+    bodies: ReducedBodies,
+    options: BuildOptions,
+    parameters: Parameters,
+    space: SpaceParameters,
+    walls: tuple[Any, ...] = (),
 ) -> PistonInSpace:
     """Return the model of a rigid piston that moves in space.
 
@@ -468,7 +497,7 @@ def assemble_in_space(
     """
     assert options.in_space
     piston = bodies.piston
-    planar = assemble(piston, bodies.block, options, parameters)
+    planar = assemble(piston, bodies.block, options, parameters, walls)
     S_x, S_y = piston.S
     body = SpaceBody(
         piston.mass, np.array([S_x, S_y, options.in_space.first_moment_z]), options.in_space.inertia
@@ -486,42 +515,6 @@ def assemble_in_space(
         askew=Stop(space.pin_tilt_play, space.pin_tilt_stiffness, space.pin_tilt_damping),
     )
     return PistonInSpace(planar, parts)
-
-
-LARGEST_OFFSET = 0.5
-"""Largest offset of the pin, by the skirt radius: our own choice, many times that of engines."""
-
-
-def faults(
-    bodies: ReducedBodies,
-    options: BuildOptions,
-    parameters: Parameters,
-    own: OwnParameters = NO_OWN,
-    radii: Mapping[str, float] | None = None,
-) -> list[str]:
-    """Return sentences about parameters that do not fit each other.
-
-    `radii` are those of flexible shells [m], by surface. Default: those of `bodies`.
-    """
-    offset, most = options.piston.pin_offset, LARGEST_OFFSET * bodies.piston.radius
-    if abs(offset) > most:
-        got = f"expected at most {1e3 * most:.4g} mm on both sides, got {1e3 * offset:.4g} mm"
-        return [f"build.piston.pin_offset: {got}, a share of the skirt radius"]
-    noted = none_yet()
-    lacks_gas = parameters.gas_source == "table" and not options.gas
-    fit = fit_of(bodies, options, bodies.radii() if radii is None else radii)
-    check(fit, settings_of(parameters, *own.crank.values()), lacks_gas, noted)
-    out = sentences_of(noted, FAULTS)
-    if noted[1] == FAULT.rod_too_short and out:
-        return out
-    if options.in_space and parameters.crank_free:
-        out.append("crank_free: expected 0 with motion in space, got 1")
-    if options.floating_pin and own.axis:
-        out += axis_faults(bodies, options.floating_pin, parameters, own.axis)
-    modes = len(bodies.block.omega) + len(bodies.piston.omega)
-    if options.in_space and modes:
-        out.append(f"motion_in_space: expected rigid bodies, got {modes} modes")
-    return out + body_faults(bodies, options)
 
 
 def fit_of(bodies: ReducedBodies, options: BuildOptions, radii: Mapping[str, float]) -> Fit:
@@ -546,44 +539,6 @@ def fit_of(bodies: ReducedBodies, options: BuildOptions, radii: Mapping[str, flo
         "main_bearing" in films,
         options.symmetric_film,
     )
-
-
-def body_faults(bodies: ReducedBodies, options: BuildOptions) -> list[str]:
-    """Return sentences about reduced bodies that do not fit each other or the pin."""
-    piston, block, bosses, _ = bodies
-    out = []
-    modes = len(piston.omega)
-    if options.floating_pin and modes and not bosses:
-        out.append(
-            "floating_pin: expected a rigid piston or one with modes for its bosses, "
-            f"got {modes} modes"
-        )
-    if piston.radius >= block.radius:
-        out.append(
-            f"piston: expected a skirt radius below the bore radius, {block.radius:g} m, got "
-            f"{piston.radius:g} m"
-        )
-    return out
-
-
-def axis_faults(
-    bodies: ReducedBodies, pin: FloatingPin, parameters: Parameters, axis: AxisParameters
-) -> list[str]:
-    """Return sentences about a pin whose parameters contradict each other."""
-    out = []
-    radius = pin_radius(bodies.piston.radius, parameters)
-    if axis.pin_bore_radius >= radius:
-        out.append(
-            f"pin_bore_radius: expected less than the radius of the pin, {1e3 * radius:.4g} mm, "
-            f"got {1e3 * axis.pin_bore_radius:.4g} mm"
-        )
-    span = pin_span(pin, bodies.bosses)
-    if axis.pin_length and axis.pin_length < (1 - 1e-9) * span:
-        out.append(
-            f"pin_length: expected 0 or at least the length of all films, {1e3 * span:.4g} mm, "
-            f"got {1e3 * axis.pin_length:.4g} mm"
-        )
-    return out
 
 
 @compilable

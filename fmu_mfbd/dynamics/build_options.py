@@ -26,12 +26,15 @@ class PistonOptions:
         x of pin point A from the skirt's axis [m].
     profiles : tuple of MeasuredShape
         Gaps that add to barrel and ovality.
+    is_hot : bool
+        Whether they are those of the running engine, so that the skirt does not grow.
     """
 
     file: str
     modes: int
     pin_offset: float
     profiles: tuple[MeasuredShape, ...] = ()
+    is_hot: bool = False
 
 
 class BoreGrid(NamedTuple):
@@ -55,6 +58,8 @@ class BlockOptions:
         Widenings that add to those orders.
     bore_from_outside : BoreGrid, optional
         Where another participant says how the bore deflects; None: the modes do.
+    is_hot : bool
+        Whether orders and profiles are those of the running engine, so that the bore does not grow.
     """
 
     file: str
@@ -62,6 +67,45 @@ class BlockOptions:
     orders: tuple[BoreOrder, ...] = ()
     profiles: tuple[MeasuredShape, ...] = ()
     bore_from_outside: BoreGrid | None = None
+    is_hot: bool = False
+
+
+@dataclass(frozen=True)
+class WallTemperature:
+    """Temperature of a wall.
+
+    Parameters
+    ----------
+    level : float
+        Start value of the input with its level [K].
+    rise : float
+        Upper minus lower edge, linear about the level [K].
+    table : MeasuredShape, optional
+        Differences from the level [K].
+    varies : bool
+        Whether a field input has the temperature.
+    """
+
+    level: float
+    rise: float = 0.0
+    table: MeasuredShape | None = None
+    varies: bool = False
+
+
+@dataclass(frozen=True)
+class WallTemperatures:
+    """Temperatures of skirt and bore.
+
+    Parameters
+    ----------
+    skirt, bore : WallTemperature
+    stations : int
+        Heights of a field input of the bore.
+    """
+
+    skirt: WallTemperature
+    bore: WallTemperature
+    stations: int
 
 
 @dataclass(frozen=True)
@@ -200,6 +244,8 @@ class BuildOptions:
         Beside a floating pin, in the order of `CRANK_SURFACES`.
     symmetric_film : bool
         Whether the modes assume that the film is its own mirror image about the thrust plane.
+    temperatures : WallTemperatures, optional
+        None: inputs give an even temperature of each wall, and there is none of the oil.
     """
 
     grid: tuple[int, int]
@@ -215,6 +261,7 @@ class BuildOptions:
     in_space: InSpace | None = None
     crank_bearings: tuple[CrankBearing, ...] = ()
     symmetric_film: bool = False
+    temperatures: WallTemperatures | None = None
 
     def film_surfaces(self) -> tuple[SurfaceOptions, ...]:
         """Return all film surfaces of the skirt, at least one."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.film import FilmSurface, Skirt, bore_splines
+from ..geometry.film import NO_TEMPERATURE, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres
 from ..geometry.modal_field import modal_field
 from ..geometry.profile import (
@@ -19,9 +19,10 @@ from ..geometry.profile import (
 )
 from ..geometry.surfaces import count_of, surface_at
 from ..reduction.reduced_body import ReducedBlock, ReducedPiston, mode_classes
-from .build_options import BlockOptions, BuildOptions, PistonOptions
+from .build_options import BlockOptions, BuildOptions, PistonOptions, WallTemperature
 from .contradictions import Fit
 from .parameters import Parameters, Settings
+from .thermal_growth import Radii, warm, widen
 
 
 def surfaces(
@@ -30,6 +31,8 @@ def surfaces(
     """Return all film surfaces from below: bands of one skirt in one bore, before `machined`."""
     angle, height = cell_centres(*options.grid, piston.skirt_lower, piston.skirt_upper)
     gap = measured(options.piston.profiles, angle, height) + np.zeros(options.grid)
+    walls = options.temperatures
+    warm = warmth(walls and walls.skirt, angle, height)
     classes = mode_classes(piston)
     grid = (len(angle), len(height), len(piston.omega))
     radial = piston.radial.reshape(grid)
@@ -40,6 +43,7 @@ def surfaces(
         block.axial,
         mode_classes(block),
         measured_bore(block.heights, angle, options.block) + np.zeros(len(block.heights)),
+        warmth(walls and walls.bore, angle, block.heights),
     )
     bands = [slice(one.first, one.last) for one in options.film_surfaces()]
     return tuple(
@@ -53,6 +57,7 @@ def surfaces(
                 modal_field(radial[:, rows], classes),
                 modal_field(axial[:, rows], classes),
                 np.arange(len(angle), dtype=float),
+                np.ascontiguousarray(warm[:, rows]),
             ),
             one_bore,
         )
@@ -60,13 +65,26 @@ def surfaces(
     )
 
 
+def warmth(wall: WallTemperature | None, angle: np.ndarray, height: np.ndarray) -> np.ndarray:
+    """Return the difference of a wall's temperature from its level, (c, a) [K], without its rise.
+
+    It has no rows and columns if no temperature is given.
+    """
+    if wall is None:
+        return NO_TEMPERATURE
+    even = np.zeros((len(angle), len(height)))
+    return table_shape(wall.table, angle, height) if wall.table else even
+
+
 @compilable
-def machined(surfaces: np.ndarray, fit: Fit, p: Settings) -> np.ndarray:
+def machined(surfaces: np.ndarray, fit: Fit, p: Settings, radii: Radii) -> np.ndarray:
     """Return all film surfaces with profile, tilt and growth of skirt and bore.
 
-    A bore without a table for its widening stays a cylinder.
+    A bore without a table for its widening stays a cylinder. `radii` are those of `free_radii`.
     """
     out = surfaces.copy()
+    warm(out, fit, p)
+    widen(out, p, radii)
     for k in range(count_of(out)):
         skirt = surface_at(out, k).skirt
         c, a = skirt.gap.shape

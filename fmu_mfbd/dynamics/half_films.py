@@ -24,6 +24,8 @@ from .start_state import StartState
 ODD_SHAPE = 1e-9
 """Odd part of a profile, a bore or a start that is omitted [m]: a tenth of the tolerance of film
 thickness in a coupling."""
+ODD_TEMPERATURE = 1e-5
+"""Odd part of a temperature that is omitted [K]: a skirt of 50 mm grows by `ODD_SHAPE` with it."""
 ODD_MODE = 1e-6
 """Odd part of a mode that is round-off, relative to the mode."""
 
@@ -51,6 +53,9 @@ def half_films(
     shapes = [bore.shape.T, *(one.skirt.gap for one in films)]
     if any(np.abs(odd_part(shape)).max(initial=0.0) > ODD_SHAPE for shape in shapes):
         return ()
+    warm = [bore.temperature.T, *(one.skirt.temperature for one in films)]
+    if any(np.abs(odd_part(one)).max() > ODD_TEMPERATURE for one in warm if one.size):
+        return ()
     half = _half_bore(bore, around)
     return tuple(FilmSurface(_half_skirt(one.skirt), half) for one in films)
 
@@ -59,25 +64,30 @@ def _half_skirt(skirt):
     """Return one half of the skirt's side."""
     around = len(skirt.angle)
     first, last, rows = half_grid(around)
-    even = skirt.gap - odd_part(skirt.gap)
     return skirt._replace(
         angle=skirt.angle[first:last],
-        gap=even[first:last],
+        gap=_even(skirt.gap)[first:last],
         radial=half_field(skirt.radial, around),
         axial=half_field(skirt.axial, around),
         rows=rows.astype(float),
+        temperature=_even(skirt.temperature)[first:last],
     )
 
 
 def _half_bore(bore: BoreSplines, around: int) -> BoreSplines:
     """Return one half of the bore."""
     first, last, _ = half_grid(around)
-    even = bore.shape - odd_part(bore.shape, 1)
     return bore._replace(
         radial=half_field(bore.radial, around),
         axial=half_field(bore.axial, around),
-        shape=even[:, first:last],
+        shape=_even(bore.shape, 1)[:, first:last],
+        temperature=_even(bore.temperature, 1)[:, first:last],
     )
+
+
+def _even(field: np.ndarray, axis: int = 0) -> np.ndarray:
+    """Return the even part of a field about the thrust plane; a field may have no rows."""
+    return field - odd_part(field, axis) if field.size else field
 
 
 def mirror_error(body: ReducedBody, around: int) -> float:

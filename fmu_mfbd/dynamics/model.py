@@ -18,7 +18,7 @@ from .carrier import FIXED, Carrier
 from .contradictions import FAULTS
 from .generalised_alpha import Coefficients, coefficients
 from .half_films import check_even, check_half, is_half
-from .parameters import Damping, Parameters
+from .parameters import REFERENCE, Damping
 from .pin_instant import PinInstant
 from .pin_response import PinResponse
 from .pin_shells import shell_modes_of
@@ -45,6 +45,7 @@ from .step import (
     warning_of,
 )
 from .system import NO_RINGS, RingForce, StepProblem
+from .thermal_growth import FieldInputs, warm_walls
 
 MOTION = ("lateral_velocity", "rocking_velocity", "piston_velocity")
 """Scalar outputs whose derivatives are known beside those of the films' fields."""
@@ -58,8 +59,11 @@ BEARINGS = ("main_bearing_force_x", "main_bearing_force_y")
 ON_FLEXIBLE_BLOCK = (*BEARINGS, "force_on_bore", "force_on_deck")
 """All that are known beside those."""
 
-REFERENCE = Parameters().reference_temperature
-"""Temperature of piston and bore without growth [K]."""
+OIL = "oil_temperature"
+"""Output field of a film whose walls have temperatures. Forces do not change it."""
+
+NO_FIELD = np.zeros(0)
+"""Temperature of a wall without a field input."""
 
 NOT_CARRIED = np.zeros(len(Carrier._fields))
 """No change of the block's motion."""
@@ -97,6 +101,8 @@ class Inputs:
         Of a bore whose deflection comes from outside [m].
     piston_temperature, bore_temperature : float
         [K]
+    skirt_field, bore_field : ndarray
+        Temperatures of the walls that have a field input, as of `FieldInputs` [K].
     """
 
     crank_speed: float
@@ -112,6 +118,8 @@ class Inputs:
     crankcase_pressure: float = 0.0
     piston_temperature: float = REFERENCE
     bore_temperature: float = REFERENCE
+    skirt_field: np.ndarray = field(default_factory=lambda: NO_FIELD)
+    bore_field: np.ndarray = field(default_factory=lambda: NO_FIELD)
 
 
 class PistonInBore:
@@ -140,6 +148,7 @@ class PistonInBore:
         self.system = system = model.parts.system
         self.film_surfaces = each_of(system.surfaces)
         self.has_half_films = is_half(self.film_surfaces[0])
+        self.is_warm = bool(options.temperatures)
         self.pins = each_pin_of(model.parts.surfaces)
         self.chain = model.parts.chain
         self.coordinates = coordinates_of(model)
@@ -261,6 +270,9 @@ class PistonInBore:
         """Return state and outputs that solve the equations of motion a step after `before`."""
         self._reject_unused(inputs)
         given = stacked(inputs)
+        model = self.model
+        walls = self.system.surfaces, model.cold, model.radii, model.settings
+        warm_walls(*walls, given.fields)
         others = others_at(self.model, given, crank)
         step = problem_of(c, before, crank, others)
         instant = self._instant(step, given, inputs)
@@ -348,6 +360,7 @@ class PistonInBore:
         outputs = {
             **by_film(self.films, "film_thickness", now.films.film_thickness),
             **by_film(self.films, "sliding_velocity", now.films.sliding_velocity),
+            **(by_film(self.films, OIL, result.oil_temperature) if self.is_warm else {}),
             **by_film(self.grids, "film_thickness", instant.film_thickness),
             **by_film(self.grids, "circumferential_velocity", instant.circumferential_velocity),
             **{f"{one.prefix}sliding_velocity": np.zeros(one.shape) for one in self.grids},
@@ -414,6 +427,8 @@ class PistonInBore:
             **by_film(self.grids, "film_thickness", found.film_thickness),
             **by_film(self.grids, "circumferential_velocity", found.circumferential_velocity),
         }
+        if self.is_warm:
+            products |= {f"{one.prefix}{OIL}": np.zeros(one.shape) for one in self.films}
         if self.model.mounted:
             names = (*ON_BLOCK, *BEARINGS) if self.outside else ON_BLOCK
             products |= {name: getattr(found.on_block, name) for name in names}
@@ -464,4 +479,5 @@ def stacked(inputs: Inputs) -> StepInputs:
         inputs.carrier,
         inputs.piston_temperature,
         inputs.bore_temperature,
+        FieldInputs(np.ravel(inputs.skirt_field), np.ravel(inputs.bore_field)),
     )

@@ -314,12 +314,45 @@ class MainBearingParameters:
     )
 
 
+@dataclass(frozen=True)
+class SkirtTemperatureParameters:
+    """Parameter of a skirt whose temperature the build options give, in SI."""
+
+    skirt_temperature_rise: float = _declared(
+        "K",
+        "Temperature of the skirt at its upper edge minus that at its lower edge, linear in height "
+        "about piston_temperature",
+        0.0,
+        -300.0,
+        300.0,
+    )
+
+
+@dataclass(frozen=True)
+class BoreTemperatureParameters:
+    """Parameter of a bore whose temperature the build options give, in SI."""
+
+    bore_temperature_rise: float = _declared(
+        "K",
+        "Temperature of the bore at its upper end minus that at its lower end, linear in height "
+        "about bore_temperature",
+        0.0,
+        -300.0,
+        300.0,
+    )
+
+
+REFERENCE = float(Parameters().reference_temperature)
+"""Temperature of piston and bore without growth [K]."""
+
 CRANK_PARAMETERS = {"big_end": BigEndParameters, "main_bearing": MainBearingParameters}
 """Surface of the crank -> its parameters."""
 
 CHOICES = {"gas_source": GAS_SOURCES, "film_symmetry": FILM_SYMMETRIES}
 """Values of the parameters that are choices, which kernels know by their numbers from 1 on."""
-DECLARED = (Parameters, PinParameters, *CRANK_PARAMETERS.values())
+WALL_PARAMETERS = {"skirt": SkirtTemperatureParameters, "bore": BoreTemperatureParameters}
+"""Wall -> parameters of its temperature."""
+DECLARED = (Parameters, PinParameters, *CRANK_PARAMETERS.values(), *WALL_PARAMETERS.values())
 Settings = namedtuple("Settings", (one.name for kind in DECLARED for one in fields(kind)))
 Settings.__annotations__ = dict.fromkeys(Settings._fields, float)
 """`Parameters` and those of pin and crank, as kernels know them: floats, 0 if absent."""

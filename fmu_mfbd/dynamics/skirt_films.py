@@ -72,7 +72,7 @@ def _nodal(surface, forces, first):
 
 
 @compiled
-def _stack_film(stacked, first, surface, field):
+def stack_film(stacked, first, surface, field):
     """Put a field on a surface's grid at its place among those of all films, on all cells."""
     rows = surface.skirt.rows
     columns = field.shape[1]
@@ -248,8 +248,8 @@ def skirt_films(
             position,
             velocity,
         )
-        _stack_film(thickness, first, surface, film.film_thickness)
-        _stack_film(sliding_velocity, first, surface, film.sliding_velocity)
+        stack_film(thickness, first, surface, film.film_thickness)
+        stack_film(sliding_velocity, first, surface, film.sliding_velocity)
         errors[k] = work_error(part_of(parts, k), film, axial_velocity, guided.velocity, velocity)
         on_slopes += film.axial_force
         first += cells_of(surface)
@@ -306,8 +306,8 @@ def skirt_changes(
             piston.velocity[RIGID:],
             block.velocity,
         )
-        _stack_film(out.film_thickness, first, surface, opened)
-        _stack_film(out.sliding_velocity, first, surface, slid)
+        stack_film(out.film_thickness, first, surface, opened)
+        stack_film(out.sliding_velocity, first, surface, slid)
         first += cells_of(surface)
     return out
 

@@ -44,6 +44,8 @@ class PistonState(NamedTuple):
         Change of the film thickness with the temperatures (Eq. (I12)) [m].
     bore_deflection : ndarray, shape (w, s)
         That came from outside [m]; of shape (0, 0) where none does.
+    field_growth : ndarray, shape (g,)
+        Growth of walls by field inputs of temperature (`thermal_growth.field_growth`) [m].
     """
 
     time: float
@@ -62,6 +64,7 @@ class PistonState(NamedTuple):
     steps: int
     thermal_opening: float
     bore_deflection: Annotated[np.ndarray, "w, s"]
+    field_growth: Annotated[np.ndarray, "g"]
 
 
 @compilable
@@ -74,6 +77,7 @@ def state_at(
     time: float,
     steps: int,
     opening: float,
+    growth: np.ndarray,
 ) -> PistonState:
     """Return the state a step [s] after another; the first steps remember no acceleration."""
     auxiliary = np.zeros(len(now.auxiliary)) if steps < FIRST_STEPS else now.auxiliary
@@ -98,6 +102,7 @@ def state_at(
         steps,
         opening,
         np.zeros((0, 0)),
+        growth,
     )
 
 

@@ -31,7 +31,17 @@ from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, state_at
 from .system import OtherForces, RingForce, StepProblem
 from .tables import GasTable, gas_pressure
-from .thermal_growth import Radii, growth_work, thermal_opening
+from .thermal_growth import (
+    ColdWalls,
+    FieldInputs,
+    Radii,
+    field_growth,
+    field_work,
+    growth_work,
+    level_of,
+    oil_temperatures,
+    thermal_opening,
+)
 
 GAS = namedtuple("GasSource", GAS_SOURCES)(*range(1, 1 + len(GAS_SOURCES)))
 """Numbers of the choices in `GAS_SOURCES`."""
@@ -57,6 +67,7 @@ class BodyModel(NamedTuple):
     mounted : bool
         Whether the block moves.
     radii : Radii
+    cold : ColdWalls
     """
 
     parts: PinSystem
@@ -66,6 +77,7 @@ class BodyModel(NamedTuple):
     speed: SpeedTable
     mounted: bool
     radii: Radii
+    cold: ColdWalls
 
 
 class StepInputs(NamedTuple):
@@ -84,6 +96,8 @@ class StepInputs(NamedTuple):
         Motion of a mounted block.
     piston_temperature, bore_temperature : float
         [K]
+    fields : FieldInputs
+        Temperatures of the walls.
     """
 
     crank_speed: float
@@ -97,9 +111,10 @@ class StepInputs(NamedTuple):
     carrier: Carrier
     piston_temperature: float
     bore_temperature: float
+    fields: FieldInputs
 
 
-FIELDS = ("skirt", "pins", "rings", "carrier")
+FIELDS = ("skirt", "pins", "rings", "carrier", "fields")
 """Members of `StepInputs` that are not numbers."""
 
 
@@ -113,6 +128,7 @@ class StepResult(NamedTuple):
     on_block: BlockForce
     state: PistonState
     last: StepEnd
+    oil_temperature: np.ndarray
 
 
 @compilable
@@ -175,6 +191,7 @@ def at_rest(crank: CrankMotion, position: np.ndarray, velocity: np.ndarray) -> P
         0,
         0.0,
         np.zeros((0, 0)),
+        np.zeros(0),
     )
 
 
@@ -309,16 +326,21 @@ def result_of(
         crank = CrankMotion(crank.angle, crank.speed, freed)
         torque = -inputs.load_torque
     steps = before.steps if step.coefficients.step == 0.0 else before.steps + 1
-    opening = thermal_opening(
-        model.radii, inputs.piston_temperature, inputs.bore_temperature, settings
-    )
+    skirt_level = level_of(inputs.fields.skirt, inputs.piston_temperature)
+    bore_level = level_of(inputs.fields.bore, inputs.bore_temperature)
+    opening = thermal_opening(model.radii, skirt_level, bore_level, settings)
+    growth = field_growth(system.surfaces, model.radii, settings, inputs.fields)
     for k in range(len(now.films.film_thickness)):
         now.films.film_thickness[k] += opening
-    state = state_at(before, step.coefficients.step, now, crank, jerk, time, steps, opening)
+    state = state_at(before, step.coefficients.step, now, crank, jerk, time, steps, opening, growth)
     energy = EnergyAccount(now.ledger.axial_work, now.ledger.accounted, 0.0)
     warm_work = 0.0
     if steps > 0:
-        warm_work = growth_work(inputs.skirt.pressure, opening - before.thermal_opening)
+        force = inputs.skirt.pressure
+        warm_work = growth_work(force, opening - before.thermal_opening)
+        if len(growth) > 0:
+            change = growth - before.field_growth
+            warm_work += field_work(system.surfaces, model.cold, force, now.guided, change)
         energy = account(
             (before.kinetic, state.kinetic),
             state.position - before.position,
@@ -342,6 +364,7 @@ def result_of(
         instant.on_block,
         state,
         last,
+        oil_temperatures(system.surfaces, now.guided, skirt_level, bore_level),
     )
 
 

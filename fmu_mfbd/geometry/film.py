@@ -12,6 +12,9 @@ from ...master.fmi.compiled import compiled
 from .arrays import Matrix
 from .modal_field import ModalField, modal_field, read, read_both, spread
 
+NO_TEMPERATURE = np.zeros((0, 0))
+"""Temperature of a wall of which none is given."""
+
 
 class Skirt(NamedTuple):
     """Skirt side of the film, c x a grid cells.
@@ -34,6 +37,8 @@ class Skirt(NamedTuple):
         Modal displacement outwards and along y at the grid points, with a rows.
     rows : ndarray, shape (n,)
         Row of the grid for each row of the film.
+    temperature : ndarray, shape (c, a)
+        Difference of the wall's temperature from its level; no rows if it is not given [K].
     """
 
     angle: Annotated[np.ndarray, "c"]
@@ -44,6 +49,7 @@ class Skirt(NamedTuple):
     radial: ModalField
     axial: ModalField
     rows: Annotated[np.ndarray, "n"]
+    temperature: Matrix = NO_TEMPERATURE
 
 
 class BoreSplines(NamedTuple):
@@ -57,6 +63,8 @@ class BoreSplines(NamedTuple):
         Spline coefficients at the angles of the grid, one row for each knot.
     shape : ndarray, shape (knots, c)
         Spline coefficients of the undeformed bore's widening; no rows for a cylinder [m].
+    temperature : ndarray, shape (knots, c)
+        Those of the difference of the wall's temperature from its level, as of `Skirt` [K].
     """
 
     lowest: float
@@ -64,6 +72,7 @@ class BoreSplines(NamedTuple):
     radial: ModalField
     axial: ModalField
     shape: Matrix
+    temperature: Matrix = NO_TEMPERATURE
 
 
 class FilmSurface(NamedTuple):
@@ -166,6 +175,7 @@ def bore_splines(
     axial: np.ndarray,
     kind: np.ndarray | None = None,
     shape: np.ndarray | None = None,
+    temperature: np.ndarray = NO_TEMPERATURE,
 ) -> BoreSplines:
     """Return the cubic spline through tabulated bore modes.
 
@@ -182,13 +192,15 @@ def bore_splines(
         Symmetry classes of the modes.
     shape : ndarray, shape (c, s), optional
         Widening of the undeformed bore [m].
+    temperature : ndarray, shape (c, s), optional
+        As of `BoreSplines`, at these heights [K].
 
     Returns
     -------
     BoreSplines
     """
     inverse = knot_rule(len(heights))
-    if shape is not None and shape.any():
+    if shape is not None and (shape.any() or temperature.size):
         widening = np.ascontiguousarray(inverse @ shape.T)
     else:
         widening = np.zeros((0, len(radial)))
@@ -199,6 +211,9 @@ def bore_splines(
         radial=modal_field(np.einsum("rs,csk->crk", inverse, radial), kind),
         axial=modal_field(np.einsum("rs,csk->crk", inverse, axial), kind),
         shape=widening,
+        temperature=np.ascontiguousarray(inverse @ temperature.T)
+        if temperature.size
+        else temperature,
     )
 
 

@@ -5,9 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, assemble, faults
+from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, assemble
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, bore_wall, wall_forces
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
+from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh

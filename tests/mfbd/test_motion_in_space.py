@@ -13,12 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from piston_cosim.fmu_mfbd.build import prepare
-from piston_cosim.fmu_mfbd.dynamics.assembly import (
-    ReducedBodies,
-    assemble,
-    assemble_in_space,
-    faults,
-)
+from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, assemble, assemble_in_space
 from piston_cosim.fmu_mfbd.dynamics.build_options import (
     BlockOptions,
     BuildOptions,
@@ -27,6 +22,7 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import (
 )
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
+from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
 from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
     SpaceBodies,
     SpaceBody,

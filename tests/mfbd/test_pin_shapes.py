@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, faults
+from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters
+from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
 from piston_cosim.fmu_mfbd.dynamics.pin_shells import shapes_of
 from piston_cosim.fmu_mfbd.geometry.pin import (
     ModeMotion,

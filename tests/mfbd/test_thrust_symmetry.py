@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.build import prepare, reduced_bodies
-from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, faults
+from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.half_films import half_films
+from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.start_state import SCALARS, StartState
 from piston_cosim.fmu_mfbd.preview import preview

@@ -1,0 +1,56 @@
+"""Temperatures of walls among the variables of a native FMU of bodies."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..master.fmi.compiled import compilable
+from ..master.fmi.native_parts import positions_of
+from .dynamics.assembly import BodySetup
+from .dynamics.model import OIL
+from .geometry.arrays import Vector
+from .geometry.surfaces import surface_at
+from .variables import WALL_FIELDS
+
+
+class WallPlaces(NamedTuple):
+    """First positions of temperature fields, and their numbers of cells: arrays over films.
+
+    skirt, bore : inputs of both walls; oil : outputs of the films. Arrays may be empty.
+    """
+
+    skirt: Vector
+    skirt_cells: Vector
+    bore: Vector
+    bore_cells: Vector
+    oil: Vector
+    oil_cells: Vector
+
+
+def wall_places(slave: Any) -> WallPlaces:
+    """Return the positions of temperature fields among a slave's variables."""
+    walls = slave.built.temperatures
+    around, _ = slave.built.grid
+    films = slave.built.film_grids()
+    skirt = films if walls and walls.skirt.varies else ()
+    bore = [(around, walls.stations)] if walls and walls.bore.varies else []
+    oil = films if walls else ()
+
+    def cells(shapes):
+        return np.array([np.prod(shape) for shape in shapes], dtype=float)
+
+    return WallPlaces(
+        positions_of(slave, [f"{one.prefix}{WALL_FIELDS['skirt']}" for one in skirt]),
+        cells(one.shape for one in skirt),
+        positions_of(slave, [WALL_FIELDS["bore"]] * len(bore)),
+        cells(bore),
+        positions_of(slave, [f"{one.prefix}{OIL}" for one in oil]),
+        cells(one.shape for one in oil),
+    )
+
+
+@compilable
+def growths_of(bodies: BodySetup, walls: WallPlaces) -> int:
+    """Return the length of `PistonState.field_growth`."""
+    knots = surface_at(bodies.surfaces, 0).bore.temperature.size
+    return int(walls.skirt_cells.sum()) + (knots if len(walls.bore) > 0 else 0)

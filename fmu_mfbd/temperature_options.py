@@ -1,0 +1,81 @@
+"""Build options of the temperatures of skirt and bore."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, Field, model_validator
+
+from ..master.fmi.option_classes import Flag
+from ..master.fmi.quantities import in_unit
+from .body_options import FILE, STRICT, AngleUnit, LengthUnit, missing_keys
+
+LOWEST, HIGHEST = 233.15, 573.15
+"""Range of the temperature of a wall, as of the oil [K]."""
+Temperature = Annotated[float, in_unit("K"), Field(ge=LOWEST, le=HIGHEST)]
+UNITS = ("angle_unit", "height_unit", "temperature_unit")
+
+
+class Wall(BaseModel):
+    """Temperature of a wall: one value, two edges, a table, or a field input.
+
+    Short forms: "120 degC" for `value`, ["110 degC", "150 degC"] for `edges`, "input" for `input`.
+    """
+
+    model_config = STRICT
+    value: Temperature | None = None
+    """Even temperature of the wall. It is the start value of piston_temperature or
+    bore_temperature.
+    """
+    edges: tuple[Temperature, Temperature] | None = None
+    """Temperatures of the lower and upper edge, linear in height between them."""
+    file: Annotated[str | None, FILE] = None
+    """CSV file of a table over angle and height. The first row holds angles. Each further row holds
+    a height and its temperatures. Heights are above pin point A for the skirt and above the crank
+    axis for the bore. They cover the wall.
+    """
+    angle_unit: Annotated[AngleUnit, Field(gt=0)] | None = None
+    """Unit of the angles of the file."""
+    height_unit: Annotated[LengthUnit, Field(gt=0)] | None = None
+    """Unit of the heights of the file."""
+    temperature_unit: Literal["K", "degC"] | None = None
+    """Unit of the temperatures of the file."""
+    input: Flag = False
+    """Whether the temperature is a field input, skirt_temperature_field on the film grid or
+    bore_temperature_field at the angles of the film grid and `block.stations` heights.
+    """
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, given: Any) -> Any:
+        if given == "input":
+            return {"input": True}
+        if isinstance(given, list | tuple):
+            return {"edges": given}
+        return given if isinstance(given, dict) else {"value": given}
+
+    @model_validator(mode="after")
+    def _one_form(self):
+        forms = {name: getattr(self, name) for name in ("value", "edges", "file", "input")}
+        given = [name for name, value in forms.items() if value]
+        if len(given) != 1:
+            got = " and ".join(given) or "nothing"
+            raise ValueError(f"expected one of value, edges, file and input, got {got}")
+        units = [name for name in UNITS if getattr(self, name) is not None]
+        if units and not self.file:
+            raise ValueError(f"{units[0]}: expected it with file only, got it with {given[0]}")
+        missing = [name for name in UNITS if name not in units]
+        if self.file and missing:
+            raise ValueError(missing_keys(missing, "with file"))
+        return self
+
+
+class Temperatures(BaseModel):
+    """Temperatures of both walls of the films on the skirt.
+
+    They give the temperature of the oil and the growth of both walls.
+    """
+
+    model_config = STRICT
+    skirt: Wall
+    """Temperature of the skirt."""
+    bore: Wall
+    """Temperature of the bore."""
