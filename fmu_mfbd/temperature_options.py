@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, Field, model_validator
+from pydantic import AfterValidator, BaseModel, Field, model_validator
 
 from ..master.fmi.option_classes import Flag
 from ..master.fmi.quantities import in_unit
@@ -10,7 +10,24 @@ from .body_options import FILE, STRICT, AngleUnit, LengthUnit, missing_keys
 
 LOWEST, HIGHEST = 233.15, 573.15
 """Range of the temperature of a wall, as of the oil [K]."""
-Temperature = Annotated[float, in_unit("K"), Field(ge=LOWEST, le=HIGHEST)]
+
+
+def _in_range(kelvin: float) -> float:
+    """Return a temperature in range; kelvins and degrees Celsius that are mistaken are outside."""
+    if not LOWEST <= kelvin <= HIGHEST:
+        raise ValueError(
+            f"expected {LOWEST:g} to {HIGHEST:g} K, got {kelvin:g} K = {kelvin - 273.15:g} degC; "
+            "check its unit"
+        )
+    return kelvin
+
+
+Temperature = Annotated[
+    float,
+    in_unit("K"),
+    AfterValidator(_in_range),
+    Field(json_schema_extra={"ge": LOWEST, "le": HIGHEST}),
+]
 UNITS = ("angle_unit", "height_unit", "temperature_unit")
 
 

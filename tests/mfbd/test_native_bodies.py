@@ -13,6 +13,7 @@ from piston_cosim.fmu_mfbd.build import prepare
 from piston_cosim.fmu_mfbd.dynamics.parameters import (
     CRANK_PARAMETERS,
     NO_GAS_TABLE,
+    WALL_PARAMETERS,
     Parameters,
     PinParameters,
     Settings,
@@ -62,6 +63,9 @@ def give(k):
     for film, (push, drag) in pins.items():
         values[f"{film}nodal_pressure_force"] = 300.0 * push * (1 + np.sin(0.4 * k))
         values[f"{film}nodal_circumferential_force"] = 30.0 * drag * np.cos(0.3 * k)
+    for n, name in enumerate(n for n in python.views if n.endswith("temperature_field")):
+        wave = np.sin(np.arange(python.views[name].size) + n + 0.2 * k)
+        values[name] = 370.0 + 2.0 * k + 9.0 * wave.reshape(python.views[name].shape)
     if python.built.mounted:  # it shakes harder than any block on mounts
         values |= dict(
             block_acceleration_x=40.0 * np.cos(k),
@@ -152,6 +156,11 @@ SHAPED = dict(
     bore_growth_lower=-2e-6,
     pin_tilt=2e-4,
 )
+EDGES = {"skirt": ["120 degC", "150 degC"], "bore": ["90 degC", "130 degC"]}
+TABLE = {"file": "warm.csv", "angle_unit": "deg", "height_unit": "mm", "temperature_unit": "degC"}
+WARM_ROWS = "0, 0, 90, 180, 270\n-100, 90, 100, 90, 105\n300, 120, 140, 120, 130\n"
+"""Temperatures that are their own mirror image about the thrust plane."""
+FREE = {name: 0.0 for name in SHAPED if "growth" in name}
 HALF = SHAPED | dict(pin_tilt=0.0, film_symmetry=3)
 LOADED = dict(
     crank_offset=1e-3,
@@ -177,6 +186,7 @@ def told(coarse, kept, tmp_path_factory):
     def run(changes, *words, **options):
         folder, build = coarse
         (folder / "begin.json").write_text(json.dumps(BEGIN))
+        (folder / "warm.csv").write_text(WARM_ROWS)
         prepared, files = prepare(build | {"grid": [8, 6]} | options, folder, quiet)
         resources = tmp_path_factory.mktemp("resources")
         (resources / "build.json").write_text(json.dumps(prepared))
@@ -222,6 +232,16 @@ def held(found, allowed):
         (LOADED | dict(crank_free=1, load_torque=30.0), {"gas": GAS, "start": "begin.json"}),
         (LOADED, {"speed": speed("time")}),
         (LOADED, {"speed": speed("angle")}),
+        (SHAPED | FREE | dict(bore_growth_upper=3e-6), {"temperatures": EDGES}),
+        (HALF | FREE, {"grid": [10, 10], "temperatures": {"skirt": TABLE, "bore": TABLE}}),
+        (
+            SHAPED | FREE,
+            {
+                "grid": [7, 10],
+                "film_surfaces": BANDS_OF_ROWS,
+                "temperatures": {"skirt": "input", "bore": "input"},
+            },
+        ),
     ],
 )
 def test_the_step_is_that_of_the_model(told, changes, options):
@@ -245,8 +265,8 @@ def test_parameters_that_do_not_fit_are_told_in_the_words_of_the_slave(told):
 
 
 def test_every_parameter_is_a_setting():
-    of_pin = (PinParameters, *CRANK_PARAMETERS.values())
-    own = {name for kind in (Parameters, *of_pin) for name in vars(kind())}
+    kinds = Parameters, PinParameters, *CRANK_PARAMETERS.values(), *WALL_PARAMETERS.values()
+    own = {name for kind in kinds for name in vars(kind())}
     assert set(Settings._fields) == own
 
 
