@@ -26,8 +26,7 @@ class Twins:
         self.python.exit_initialization_mode()
         self.numbers = np.zeros(4)
         begin = self.native.given(self.machine)
-        self.native.size(self.machine.real, self.machine.integer, begin, self.numbers)
-        size, self.first, self.length, self.faults = map(int, self.numbers)
+        size, self.first, self.length, self.faults = map(int, begin[:4])
         self.memory = np.zeros(size)
         self.memory[: begin.size] = begin
         self.call = self.machine.real, self.machine.integer, self.memory, self.numbers
