@@ -40,7 +40,7 @@ from .dynamics.half_films import check_even, check_half
 from .dynamics.model import MOTION
 from .dynamics.model_faults import body_faults
 from .dynamics.parameters import Parameters, Settings, settings_of
-from .dynamics.pin_instant import PinScalars
+from .dynamics.pin_outputs import PinScalars
 from .dynamics.pin_shells import shell_modes_of
 from .dynamics.piston_motion import LATERAL, ROCKING
 from .dynamics.response import StepEnd
@@ -56,7 +56,6 @@ from .dynamics.step import (
     coordinates_of,
     crank_after,
     crank_at_start,
-    has_pins,
     instant_of,
     is_started,
     modes_of,
@@ -70,7 +69,7 @@ from .dynamics.system import RingForce
 from .dynamics.thermal_growth import FieldInputs, warm_walls
 from .geometry.film import NodalForces
 from .geometry.pin import PinForces
-from .mechanism.cylinder import EYE
+from .mechanism.cylinder import EYE, floats
 from .native_fields import forces_at, gathered, put_films, put_stacked, scatter
 from .native_walls import WallPlaces, growths_of, wall_places
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS
@@ -326,21 +325,20 @@ def publish(real, integer, given, model, result):
     """Write the outputs and the numbers of evaluations into the variables."""
     places = given.places
     outputs = places.outputs
-    instant = result.instant
-    now = instant.now
+    now = result.instant
     put_each(real, places.scalars, result.scalars)
-    put_each(real, places.pin_scalars, instant.scalars)
+    put_each(real, places.pin_scalars, now.pin_scalars)
     put_each(real, places.on_block, result.on_block)
     put_films(real, places.skirt, now.films.film_thickness, now.films.sliding_velocity)
-    put_films(real, places.pins, instant.film_thickness, instant.circumferential_velocity)
+    put_films(real, places.pins, now.pin_film_thickness, now.circumferential_velocity)
     scatter(real, places.walls.oil, places.walls.oil_cells, result.oil_temperature)
     put_each(real, places.skirt.work_error, now.films.work_error)
-    put_each(real, places.pins.work_error, instant.work_error)
+    put_each(real, places.pins.work_error, now.pin_work_error)
     first, last = modes_of(model)
     put_stacked(real, outputs.modal_coordinate, now.end.position[first:last])
     put_stacked(real, outputs.modal_velocity, now.kept.velocity[first:last])
     chain = model.parts.chain
-    if has_pins(model):
+    if floats(chain):
         eye = shell_modes_of(chain.elements, now.end.position, EYE)
         put_stacked(real, outputs.small_end_modal_coordinate, eye)
         eye = shell_modes_of(chain.elements, now.kept.velocity, EYE)
@@ -368,19 +366,18 @@ def solve(real, integer, memory, c, before, crank, time):
     model = model_from(parts.model)
     inputs = inputs_of(real, given.places)
     remark(faults, warning_of(model, inputs))
-    surfaces = model.parts.system.surfaces
+    surfaces = model.parts.surfaces
     warm_walls(surfaces, model.cold, model.radii, model.settings, inputs.fields)
     others = others_at(model, inputs, crank)
     step = problem_of(c, before, crank, others)
-    instant = instant_of(model, step, inputs)
-    now = instant.now
+    now = instant_of(model, step, inputs)
     if now.evaluations == 0:
         refuse(faults, FAULT.not_solved, 0.0, 0.0, crank.angle, now.change, 0.0)
     else:
-        check_even(model.parts.system.surfaces, inputs.skirt, faults)
+        check_even(model.parts.surfaces, inputs.skirt, faults)
     if faults[0] > 0.0:
         return
-    result = result_of(model, before, step, time, instant, inputs)
+    result = result_of(model, before, step, time, now, inputs)
     publish(real, integer, given, model, result)
     put_last(parts.last, result.last)
     put_state(parts.state, result.state)
@@ -406,13 +403,13 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     if faults[0] > 0.0:
         return
     model = assembled(given.bodies, p)
-    check_half(model.parts.system.surfaces, p, faults)
+    check_half(model.parts.surfaces, p, faults)
     if faults[0] > 0.0:
         return
     if p.film_symmetry == AUTOMATIC:
         odd = np.zeros(ROOM)
         forces = inputs_of(real, given.places).skirt
-        check_even(model.parts.system.surfaces, forces, odd)
+        check_even(model.parts.surfaces, forces, odd)
         if odd[0] > 0.0:
             numbers_of_settings[SYMMETRY] = WHOLE
             model = assembled(given.bodies, settings_from(numbers_of_settings))
@@ -471,14 +468,13 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     last = last_from(parts.last)
     places = given.places
     carried = get_each(real, places.carrier_seed)
-    found = response_to(model, last, seeds_of(real, places), carried)
-    change = found.change
+    change = response_to(model, last, seeds_of(real, places), carried)
     put_films(real, places.skirt_tangent, change.film_thickness, change.sliding_velocity)
-    put_films(real, places.pins_tangent, found.film_thickness, found.circumferential_velocity)
+    put_films(real, places.pins_tangent, change.pin_film_thickness, change.circumferential_velocity)
     motion = change.lateral_velocity, change.rocking_velocity, change.piston_velocity
     put_each(real, places.motion_product, motion)
     if model.mounted:
-        put_each(real, places.on_block_product, found.on_block)
+        put_each(real, places.on_block_product, change.on_block)
 
 
 PART = NativePart(

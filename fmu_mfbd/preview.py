@@ -21,12 +21,13 @@ from .build import (
     options_ahead,
     piston_about_pin,
 )
-from .dynamics.assembly import OwnParameters, ReducedBodies, pin_beam
+from .dynamics.assembly import OwnParameters, ReducedBodies
 from .dynamics.build_options import BuildOptions
 from .dynamics.clearance import bore_shape, skirt_gap
 from .dynamics.contradictions import pin_radius
 from .dynamics.model_faults import faults
 from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters
+from .dynamics.pin_axis import pin_beam
 from .finite_elements.connections import aspect_ratios
 from .finite_elements.element import mass_properties, rigid_mass
 from .finite_elements.mesh import MeshFault

@@ -20,7 +20,7 @@ from .dynamics.parameters import (
     PinParameters,
     SpaceParameters,
 )
-from .dynamics.pin_instant import PinScalars
+from .dynamics.pin_outputs import PinScalars
 from .dynamics.space_model import SpaceScalars
 
 Rows = tuple[tuple[Any, ...], ...]

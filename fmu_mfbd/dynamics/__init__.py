@@ -22,8 +22,8 @@ model              one step after the other
 pin_shells         where a floating pin is in its shells
 pin_films          all films of pin and crank
 elimination        small systems of linear equations (N)
-pin_instant        all of it at one instant with a floating pin, compiled
-pin_response       its derivative
+pin_axis           a pin that tilts and bends in its films
+pin_outputs        scalar outputs of a floating pin and of films of the crank
 motion_in_space    equations of motion of a rigid piston out of the plane as well (K, D)
 space_model        the model with them
 bore_from_outside  a bore that deflects as another participant says (H)

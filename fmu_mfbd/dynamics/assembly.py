@@ -9,9 +9,8 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ...master.fmi.symmetry import FILM_SYMMETRIES
 from ..geometry.film import FilmSurface, knot_rule
-from ..geometry.grid import film_rows
-from ..geometry.pin import PinSurface, ShellModes, pin_surface, relieved, shell_modes
-from ..geometry.pin_shapes import AxisShapes, Beam, HollowPin, free_beam
+from ..geometry.pin import PinSurface
+from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import (
     each_pin_of,
     in_block,
@@ -24,17 +23,15 @@ from ..geometry.surfaces import (
     with_room,
 )
 from ..mechanism.cylinder import EYE, CylinderParts, cylinder_chain, integrators, motion_across
-from ..mechanism.solution import no_chain_factors
-from ..mechanism.tied_pin import tied_pin
 from ..reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, ReducedShell, load
 from .bore_from_outside import outside_bore
-from .build_options import BuildOptions, FloatingPin
+from .build_options import BuildOptions
 from .clearance import machined, surfaces
 from .contradictions import Fit, pin_radius
 from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, bore_wall
 from .half_films import half_films, is_halved
-from .modal_damping import ModalSprings, modal_springs
+from .modal_damping import modal_springs
 from .model import PistonInBore
 from .motion_in_space import SpaceBodies, SpaceBody, Stop
 from .parameters import (
@@ -47,9 +44,10 @@ from .parameters import (
     SpaceParameters,
     settings_of,
 )
-from .pin_films import PinSystem, undamp_static
+from .pin_axis import pin_beam, pin_surfaces, with_shapes
+from .pin_films import undamp_static
 from .pin_friction import PinFriction
-from .quasi_static import StaticModes, moving_modes, standing
+from .quasi_static import StaticModes, moving_modes
 from .slider_crank import Mechanism
 from .space_model import PistonInSpace
 from .speed_table import SpeedTable
@@ -223,37 +221,60 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
 @compilable
 def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     """Return the model for these parameters, with a pin that stays parallel to its shells."""
-    fit, body, wall = setup.fit, setup.piston, setup.wall
-    films = setup.half_surfaces if is_halved(setup.half_surfaces, p) else setup.surfaces
-    springs = modal_springs(setup.piston_omega, p)
-    k = moving_modes(setup.piston_omega, p.quasi_static_frequency)
-    on_block = modal_springs(setup.block_omega, p)
-    m = moving_modes(setup.block_omega, p.quasi_static_frequency)
-    piston = FlexibleBody(
-        body.mass,
-        body.S,
-        body.I0,
-        body.T[:, :k].copy(),
-        body.b[:k].copy(),
-        body.B[:k, :k].copy(),
-        body.g[:k].copy(),
-        body.G[:k, :k].copy(),
-        springs.stiffness[:k],
-        springs.damping[:k],
+    none = np.zeros(0)
+    solid = p.pin_mass * pin_radius(setup.fit.piston_radius, p) ** 2 / 2
+    return with_pin(setup, p, solid, none, AxisShapes(none, none), pin_films(setup, p))
+
+
+@compilable
+def with_pin(
+    setup: BodySetup,
+    p: Settings,
+    spin_inertia: float,
+    omega: np.ndarray,
+    shapes: AxisShapes,
+    films: np.ndarray,
+) -> BodyModel:
+    """Return the model for these parameters, with the frequencies of the shapes of its pin [rad/s].
+
+    `spin_inertia` is that of the pin if its parameter is 0 [kg m2].
+    """
+    fit, wall = setup.fit, setup.wall
+    k, n = moving_modes(setup.piston_omega, p.quasi_static_frequency), len(omega)
+    block = len(setup.block_omega)
+    cylinder = CylinderParts(
+        _moving(setup.piston, modal_springs(setup.piston_omega, p), k),
+        _static(setup.piston, setup.piston_omega, k),
+        mechanism(fit.piston_radius, fit.pin_offset, p),
+        p.pin_inertia if p.pin_inertia > 0.0 else spin_inertia,
+        p.crank_mass,
+        p.crank_unbalance,
+        fit.floats,
+        fit.has_big_end,
+        fit.has_main_bearing,
+        modal_springs(_free(setup, k, omega), p),
+        block,
+        block - moving_modes(setup.block_omega, p.quasi_static_frequency),
+        n,
+        setup.big_end_modes,
+        setup.main_bearing_modes,
     )
-    slider_crank = mechanism(fit.piston_radius, fit.pin_offset, p)
-    radii = free_radii(setup.radii, len(surface_at(films, 0).skirt.temperature) > 0, p)
-    hot = machined(films, fit, p, radii)
-    system = BodySystem(
-        piston,
-        StaticModes(
-            springs.stiffness[k:], body.T[:, k:].copy(), body.b[k:].copy(), body.g[k:].copy()
-        ),
-        ModalSprings(on_block.stiffness[:m], on_block.damping[:m]),
-        standing(on_block.stiffness[m:]),
-        slider_crank,
-        tied_pin(piston, slider_crank, p.crank_unbalance),
-        hot,
+    chain = cylinder_chain(cylinder)
+    kinds = integrators(cylinder, chain)
+    undamp_static(kinds, chain)
+    half = is_halved(setup.half_surfaces, p)
+    cold_films = setup.half_surfaces if half else setup.surfaces
+    radii = free_radii(setup.radii, len(surface_at(cold_films, 0).skirt.temperature) > 0, p)
+    hot_films = machined(cold_films, fit, p, radii)
+    parts = BodySystem(
+        chain,
+        kinds,
+        motion_across(cylinder, 0.0),
+        motion_across(cylinder, 1.0),
+        shapes,
+        cylinder.mechanism,
+        hot_films,
+        films,
         fit.pin_offset,
         setup.gas_force,
         BoreWall(
@@ -267,76 +288,63 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         ),
         p.impact_resolution,
     )
-    none = np.zeros(0)
-    solid = p.pin_mass * pin_radius(fit.piston_radius, p) ** 2 / 2
-    parts = chained(setup, p, system, solid, none, AxisShapes(none, none), pin_films(setup, p))
-    cold = cold_walls(hot, (setup.skirt_field, setup.bore_field), setup.bore_rule)
+    cold = cold_walls(hot_films, (setup.skirt_field, setup.bore_field), setup.bore_rule)
     return BodyModel(parts, p, setup.gas, setup.gas_area, setup.speed, setup.mounted, radii, cold)
 
 
 @compilable
-def chained(
-    setup: BodySetup,
-    p: Settings,
-    system: BodySystem,
-    spin_inertia: float,
-    omega: np.ndarray,
-    shapes: AxisShapes,
-    films: np.ndarray,
-) -> PinSystem:
-    """Return bodies and films as a chain, with the frequencies of the shapes of its pin [rad/s].
-
-    `spin_inertia` is that of the pin if its parameter is 0 [kg m2].
-    """
-    fit, n = setup.fit, len(omega)
-    static, block = len(system.piston_static.stiffness), len(setup.block_omega)
-    bent = static + block
-    free = np.empty(bent + 2 * n + len(setup.shell_omega))
-    for k in range(static):
-        free[k] = setup.piston_omega[len(system.piston.stiffness) + k]
-    for k in range(block):
-        free[static + k] = setup.block_omega[k]
-    for k in range(n):
-        free[bent + k], free[bent + n + k] = omega[k], omega[k]
-    for k in range(len(setup.shell_omega)):
-        free[bent + 2 * n + k] = setup.shell_omega[k]
-    cylinder = CylinderParts(
-        system.piston,
-        system.piston_static,
-        system.mechanism,
-        p.pin_inertia if p.pin_inertia > 0.0 else spin_inertia,
-        p.crank_mass,
-        p.crank_unbalance,
-        fit.floats,
-        fit.has_big_end,
-        fit.has_main_bearing,
-        modal_springs(free, p),
-        block,
-        len(system.block_static.stiffness),
-        n,
-        setup.big_end_modes,
-        setup.main_bearing_modes,
+def _moving(body, springs, k):
+    """Return the piston with its first k modes."""
+    return FlexibleBody(
+        body.mass,
+        body.S,
+        body.I0,
+        body.T[:, :k].copy(),
+        body.b[:k].copy(),
+        body.B[:k, :k].copy(),
+        body.g[:k].copy(),
+        body.G[:k, :k].copy(),
+        springs.stiffness[:k],
+        springs.damping[:k],
     )
-    chain = cylinder_chain(cylinder)
-    inertia, with_rod = no_chain_factors().arrow, no_chain_factors().arrow
-    if fit.floats:
-        inertia, with_rod = motion_across(cylinder, 0.0), motion_across(cylinder, 1.0)
-    kinds = integrators(cylinder, chain)
-    undamp_static(kinds, chain)
-    return PinSystem(system, chain, kinds, shapes, films, inertia, with_rod)
+
+
+@compilable
+def _static(body, omega, k):
+    """Return the modes of the piston from k on, without inertia."""
+    own = omega[k:]
+    return StaticModes(own * own, body.T[:, k:].copy(), body.b[k:].copy(), body.g[k:].copy())
+
+
+@compilable
+def _free(setup, k, omega):
+    """Return the frequencies of all modes but the first k of the piston [rad/s]."""
+    static, block, n = len(setup.piston_omega) - k, len(setup.block_omega), len(omega)
+    bent = static + block
+    out = np.empty(bent + 2 * n + len(setup.shell_omega))
+    for i in range(static):
+        out[i] = setup.piston_omega[k + i]
+    for i in range(block):
+        out[static + i] = setup.block_omega[i]
+    for i in range(n):
+        out[bent + i], out[bent + n + i] = omega[i], omega[i]
+    for i in range(len(setup.shell_omega)):
+        out[bent + 2 * n + i] = setup.shell_omega[i]
+    return out
 
 
 @compilable
 def pin_films(setup: BodySetup, p: Settings) -> np.ndarray:
     """Return the films of pin and crank with their radii and clearances."""
     out = setup.pin_surfaces.copy()
+    of_pin = EYE + 1 if setup.fit.floats else 0
     for k in range(pins_of(out)):
         radius = pin_radius(setup.fit.piston_radius, p)
         clearance = p.boss_clearance if k < EYE else p.small_end_clearance
-        if k == EYE + 1 and setup.fit.has_big_end:
+        if k == of_pin and setup.fit.has_big_end:
             radius = p.big_end_radius
             clearance = p.big_end_clearance
-        elif k > EYE:
+        elif k >= of_pin:
             radius = p.main_bearing_radius
             clearance = p.main_bearing_clearance
         one = pin_surface_at(out, k)
@@ -355,10 +363,8 @@ def assemble(
     walls: tuple[Any, ...] = (),
 ) -> PistonInBore:
     """Return the model of a piston on a tied pin; `walls` as of `OwnParameters`."""
-    setup = setup_of(ReducedBodies(piston, block), options, parameters)
-    model = assembled(setup, settings_of(parameters, *walls))
-    tied = model.parts._replace(surfaces=pins_in_block(()))
-    return _in_bore(model._replace(parts=tied), block, options)
+    own = NO_OWN._replace(walls=walls)
+    return assemble_films(ReducedBodies(piston, block), options, parameters, own)
 
 
 def _in_bore(model: BodyModel, block: ReducedBlock, options: BuildOptions) -> PistonInBore:
@@ -367,7 +373,7 @@ def _in_bore(model: BodyModel, block: ReducedBlock, options: BuildOptions) -> Pi
     if not grid:
         return PistonInBore(model, options)
     around, _ = options.grid
-    wall = model.parts.system.wall
+    wall = model.parts.wall
     outside = outside_bore(grid, around, block.heights, block.radius, wall)
     return PistonInBore(model, options, outside)
 
@@ -376,110 +382,26 @@ def model_of(
     bodies: ReducedBodies, options: BuildOptions, parameters: Parameters, own: OwnParameters
 ) -> PistonInBore:
     """Return the model of an FMU, with all parts of its options."""
-    if own.pin:
-        return assemble_floating(bodies, options, parameters, own)
     if own.space:
         return assemble_in_space(bodies, options, parameters, own.space, own.walls)
-    return assemble(bodies.piston, bodies.block, options, parameters, own.walls)
+    return assemble_films(bodies, options, parameters, own)
 
 
-def assemble_floating(
+def assemble_films(
     bodies: ReducedBodies, options: BuildOptions, parameters: Parameters, own: OwnParameters
 ) -> PistonInBore:
-    """Return the model of a piston whose pin floats."""
-    assert options.floating_pin and own.pin
+    """Return the model of a piston on a tied or floating pin, with all films of pin and crank."""
     piston, block, bosses, _ = bodies
-    axis = own.axis
     setup = setup_of(bodies, options, parameters)
-    p = settings_of(parameters, own.pin, *own.crank.values(), *own.walls)
+    p = settings_of(parameters, *([own.pin] if own.pin else []), *own.crank.values(), *own.walls)
     model = assembled(setup, p)
-    if axis:
-        parts = model.parts
-        beam = pin_beam(piston, options.floating_pin, parameters, bosses, axis)
-        rigid = each_pin_of(parts.surfaces)
-        films = with_shapes(rigid, options.floating_pin, bosses, beam, axis)
-        spin = beam.pin.spin_inertia()
-        films = pins_in_block(films)
-        parts = chained(setup, p, parts.system, spin, beam.omega, beam.shapes(), films)
-        model = model._replace(parts=parts)
+    if own.axis:
+        assert options.floating_pin
+        beam = pin_beam(piston, options.floating_pin, parameters, bosses, own.axis)
+        rigid = each_pin_of(model.parts.pin_surfaces)
+        films = pins_in_block(with_shapes(rigid, options.floating_pin, bosses, beam, own.axis))
+        model = with_pin(setup, p, beam.pin.spin_inertia(), beam.omega, beam.shapes(), films)
     return _in_bore(model, block, options)
-
-
-def pin_surfaces(
-    options: BuildOptions, bosses: ReducedBosses | None, shells: Mapping[str, ReducedShell]
-) -> tuple[PinSurface, ...]:
-    """Return the films of a pin that stays parallel to its shells, and of the crank.
-
-    They have no radius and clearance yet. A tied pin has none.
-    """
-    modes: list[ShellModes | None] = [None] * len(options.pin_grids())
-    if bosses:
-        modes[:EYE] = (shell_modes(*p) for p in zip(bosses.boss_outward, bosses.boss_onward))
-    for k, name in enumerate(("small_end", *options.crank_surfaces()), EYE):
-        if shell := shells.get(name):
-            modes[k] = shell_modes(shell.outward, shell.onward)
-    return tuple(
-        pin_surface(0.0, 0.0, grid.shape, one) for grid, one in zip(options.pin_grids(), modes)
-    )
-
-
-def with_shapes(
-    films: tuple[PinSurface, ...],
-    pin: FloatingPin,
-    bosses: ReducedBosses | None,
-    beam: Beam,
-    axis: AxisParameters,
-) -> tuple[PinSurface, ...]:
-    """Return the films of a pin that tilts and bends, with relieved shells."""
-    reliefs = axis.boss_relief, axis.boss_relief, axis.small_end_relief
-    each = zip(films, pin_rows(pin, bosses), reliefs, pin.lengths().values())
-    of_pin = [
-        one._replace(clearance=relieved(one.clearance, relief, z, long), axis=beam.at(z))
-        for one, z, relief, long in each
-    ]
-    return (*of_pin, *films[len(of_pin) :])
-
-
-def pin_rows(pin: FloatingPin, bosses: ReducedBosses | None) -> tuple[np.ndarray, ...]:
-    """Return z of the rows of all films of the pin [m].
-
-    Rows of bosses are those of the mesh. For a piston without a mesh of bosses they begin at the
-    end of the rod's eye.
-    """
-    half = pin.small_end_length / 2
-    outer = half + pin.boss_length
-    ends = (-outer, -half), (half, outer), (-half, half)
-    left, right, eye = (film_rows(*pair, pin.grid) for pair in ends)
-    if bosses:
-        left, right = bosses.boss_stations
-    return left, right, eye
-
-
-def pin_span(pin: FloatingPin, bosses: ReducedBosses | None) -> float:
-    """Return the least length of a pin that reaches through all its films [m]."""
-    _, along = pin.grid
-    lengths = pin.lengths().values()
-    rows = pin_rows(pin, bosses)
-    return max(2 * np.abs(z).max() + long / along for z, long in zip(rows, lengths))
-
-
-def pin_beam(
-    piston: ReducedPiston,
-    pin: FloatingPin,
-    parameters: Parameters,
-    bosses: ReducedBosses | None,
-    axis: AxisParameters,
-) -> Beam:
-    """Return a floating pin as a free beam with the shapes of the build table."""
-    hollow = HollowPin(
-        mass=parameters.pin_mass,
-        length=axis.pin_length or pin_span(pin, bosses),
-        radius=pin_radius(piston.radius, parameters),
-        bore_radius=axis.pin_bore_radius,
-        young=axis.pin_young,
-        poisson=axis.pin_poisson,
-    )
-    return free_beam(hollow, pin.pin_shapes)
 
 
 def assemble_in_space(

@@ -10,11 +10,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from .carrier import carrier_from
 from .floating_frame import TURN, X, Y
 from .piston_motion import Load
-from .response import Response, StepEnd, sensitivity
-from .system import BodySystem
 
 
 class BlockForce(NamedTuple):
@@ -87,27 +84,3 @@ def all_on_block(
     return BlockForce(
         bearing_x - load.lateral, bearing_y - load.axial, -moment, bearing_x, bearing_y
     )
-
-
-@compiled
-def force_change(
-    system: BodySystem, last: StepEnd, change: Response, carried: np.ndarray
-) -> BlockForce:
-    """Return the change of the forces on the block.
-
-    It is that of Eq. (D20).
-
-    Parameters
-    ----------
-    system : BodySystem
-    last : StepEnd
-    change : Response
-        dQ and dq''.
-    carried : ndarray, shape (4,)
-        Change of the block's motion, as `Carrier` has it.
-    """
-    slope = sensitivity(system, last, change.load, carrier_from(carried))
-    on_block = slope.derivative.on_block @ change.acceleration
-    for k in range(len(on_block)):
-        on_block[k] += slope.pushed.on_block[k]  # Eq. (D20)
-    return block_force(change.load, on_block)

@@ -266,19 +266,17 @@ class BuildOptions:
     def film_surfaces(self) -> tuple[SurfaceOptions, ...]:
         """Return all film surfaces of the skirt, at least one."""
         _, along = self.grid
-        name = SKIRT if self.floating_pin else ""
+        name = SKIRT if self.pin_grids() else ""
         return self.surfaces or (SurfaceOptions(name, 0, along),)
 
     def pin_grids(self) -> tuple[FilmGrid, ...]:
         """Return names and shapes of the fields of the surfaces of a floating pin and of the crank.
 
-        It is empty for a tied pin.
+        It is empty for a tied pin without films of the crank.
         """
-        if self.floating_pin is None:
-            return ()
-        shape = self.floating_pin.grid
+        pin = self.floating_pin
         return (
-            *(FilmGrid(f"{name}.", shape) for name in PIN_SURFACES),
+            *(FilmGrid(f"{name}.", pin.grid) for name in PIN_SURFACES if pin),
             *(FilmGrid(f"{one.name}.", one.grid) for one in self.crank_bearings),
         )
 

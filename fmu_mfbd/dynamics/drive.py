@@ -9,12 +9,12 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.surfaces import count_of, surface_at
+from ..mechanism.chain import Bodies
 from .account import EnergyAccount
-from .floating_frame import FlexibleBody
 from .instant import Instant
 from .piston_motion import LATERAL, ROCKING
 from .slider_crank import CrankMotion, LateralMotion, PistonLoad, motion, side_force_demand
-from .system import BodySystem, OtherForces
+from .system import BodySystem, OtherForces, rigid_piston
 
 
 class Scalars(NamedTuple):
@@ -126,7 +126,7 @@ class Scalars(NamedTuple):
 @compilable
 def demand_of(system: BodySystem, others: OtherForces, crank: CrankMotion) -> float:
     """Return the side force that gas, rings and inertia demand (Eq. (K11)) [N]."""
-    mass = system.piston.mass + system.mechanism.pin_mass
+    mass = rigid_piston(system).mass
     load = PistonLoad(mass, others.gas, others.rings.lateral, others.rings.axial)
     return side_force_demand(system.mechanism, load, crank)
 
@@ -141,12 +141,12 @@ def moved_inertia(system: BodySystem, crank_angle: float) -> float:
     """
     turning = CrankMotion(crank_angle, 0.0, 1.0)
     link = motion(system.mechanism, LateralMotion(0.0, 0.0, 0.0), turning)
-    mass = system.piston.mass + system.mechanism.pin_mass
+    mass = rigid_piston(system).mass
     return mass * link.axial_acceleration**2 + link.rod_moment  # Eq. (K28)
 
 
 @compilable
-def piston_kinetic_energy(piston: FlexibleBody, velocity: float, rocking_velocity: float) -> float:
+def piston_kinetic_energy(bodies: Bodies, velocity: float, rocking_velocity: float) -> float:
     """Return the kinetic energy of the piston alone in lateral translation and rocking [J].
 
     Eq. (K27):  E = (m v^2 + I w^2)/2,   v = v_A - w S_y/m,   I = I_A - (S_x^2 + S_y^2)/m
@@ -154,15 +154,16 @@ def piston_kinetic_energy(piston: FlexibleBody, velocity: float, rocking_velocit
 
     Parameters
     ----------
-    piston : FlexibleBody
+    bodies : Bodies
+        The last of them is the piston.
     velocity : float
         Lateral velocity of A [m/s].
     rocking_velocity : float
         [rad/s]
     """
-    m, S = piston.mass, piston.S
+    m, S = bodies.mass[-1], bodies.S[-1]
     at_centre = velocity - rocking_velocity * S[1] / m
-    inertia = piston.I0 - (S[0] ** 2 + S[1] ** 2) / m
+    inertia = bodies.I0[-1] - (S[0] ** 2 + S[1] ** 2) / m
     return (m * at_centre**2 + inertia * rocking_velocity**2) / 2  # Eq. (K27)
 
 
@@ -216,7 +217,7 @@ def scalars_of(
         pin_friction_moment=now.pin_moment,
         pin_friction_power=now.pin_friction_power,
         kinetic_energy=now.ledger.kinetic,
-        piston_kinetic_energy=piston_kinetic_energy(system.piston, lateral, rocking),
+        piston_kinetic_energy=piston_kinetic_energy(system.chain.bodies, lateral, rocking),
         lower_edge_velocity=lateral - rocking * lower,  # derivative of Eq. (X14)
         upper_edge_velocity=lateral - rocking * upper,
         elastic_energy=now.ledger.elastic,

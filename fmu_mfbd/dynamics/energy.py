@@ -5,10 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from .floating_frame import FlexibleBody, X
 from .generalised_alpha import Motion
-from .impact import Inertia
-from .piston_motion import LATERAL, RIGID, ROCKING
 
 
 class EnergyLedger(NamedTuple):
@@ -34,62 +31,6 @@ class EnergyLedger(NamedTuple):
     error: float
     axial_work: float
     accounted: float
-
-
-class MovingBodies(NamedTuple):
-    """Everything that has inertia across the bore.
-
-    Parameters
-    ----------
-    body : FlexibleBody
-        The piston.
-    rigid : Inertia
-        Its rigid motion, pin included.
-    block : int
-        Number of the block's first coordinate.
-    block_stiffness : ndarray, shape (k',)
-        omega^2 of its modes that have inertia [rad2/s2].
-    """
-
-    body: FlexibleBody
-    rigid: Inertia
-    block: int
-    block_stiffness: np.ndarray
-
-
-@compiled
-def momentum(moving: MovingBodies, velocity: np.ndarray) -> np.ndarray:
-    """Return M v of the motion across the bore (Eq. (N6)) and of modes with inertia, shape (n,).
-
-    Eq. (D9):  a . M v = Eq. (N6) + sum ((a_x T_x + a_t g) v_q + (v_x T_x + v_t g) a_q + a_q v_q)
-
-    Modes that follow statically have none.
-    """
-    body, rigid, v = moving.body, moving.rigid, velocity
-    out = np.zeros(len(v))
-    # Eq. (D9)
-    out[LATERAL] = rigid.mass * v[LATERAL] - rigid.moment * v[ROCKING]
-    out[ROCKING] = rigid.inertia * v[ROCKING] - rigid.moment * v[LATERAL]
-    for k in range(len(body.stiffness)):
-        m = RIGID + k
-        out[LATERAL] += body.T[X, k] * v[m]
-        out[ROCKING] += body.g[k] * v[m]
-        out[m] = v[m] + body.T[X, k] * v[LATERAL] + body.g[k] * v[ROCKING]
-    for k in range(moving.block, moving.block + len(moving.block_stiffness)):
-        out[k] = v[k]
-    return out
-
-
-@compiled
-def elastic_energy(moving: MovingBodies, position: np.ndarray) -> float:
-    """Return the energy of the modes that have inertia, half the sum of Omega^2 q^2 [J]."""
-    total = 0.0
-    stiffness = moving.body.stiffness
-    for k in range(len(stiffness)):
-        total += stiffness[k] * position[RIGID + k] ** 2 / 2
-    for k in range(len(moving.block_stiffness)):
-        total += moving.block_stiffness[k] * position[moving.block + k] ** 2 / 2
-    return total
 
 
 class Momenta(NamedTuple):

@@ -1,6 +1,6 @@
 """End of a step of the bodies: from predicted motion and forces to accelerations and outputs.
 
-The equations are in `film` and `mechanism.equations`.
+The equations are in `film`, `pin` and `mechanism.equations`.
 """
 
 from typing import NamedTuple
@@ -8,42 +8,26 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..geometry.film import (
-    FilmForces,
-    NodalForces,
-)
+from ..geometry.film import FilmForces, NodalForces
+from ..geometry.pin import PinForces
+from ..mechanism.chain import Chain, Loads
+from ..mechanism.cylinder import BODY, EYE, film_of, floats, piston_of
 from ..mechanism.equations import friction_at
-from ..mechanism.inertia import frame_state
-from ..mechanism.motion import increments_of
-from ..mechanism.solution import solve_motion
-from ..mechanism.tied_pin import PISTON, ROD, loads_of
+from ..mechanism.loads import MOMENT, REACTION
+from ..mechanism.solution import Linearisation, arrow_product, solve_motion
+from .bdf2 import STATIC, auxiliary_after, limit_plays, predicted_of, reach_of
 from .block_force import BlockForce, block_force
-from .energy import (
-    EnergyLedger,
-    Momenta,
-    MovingBodies,
-    elastic_energy,
-    energy_ledger,
-    mean_acceleration,
-    momentum,
-    other_forces,
-)
+from .energy import EnergyLedger, Momenta, energy_ledger, mean_acceleration, other_forces
 from .floating_frame import TURN, X, Y
 from .gas_on_bore import wall_forces
-from .generalised_alpha import Motion, Prediction, predict
-from .impact import Inertia, limit_memory, longest_step
-from .piston_motion import RIGID, Load
-from .quasi_static import STILL, FrameAcceleration, follow, static_coordinates
-from .skirt_films import (
-    AxialMotion,
-    SkirtFilms,
-    by_coordinate,
-    forces_by_film,
-    skirt_films,
-    together,
-)
-from .slider_crank import carried_mass, height
-from .system import BodySystem, OtherForces, StepProblem
+from .generalised_alpha import Motion
+from .impact import limit_memory, longest_step
+from .pin_films import held_forces, pin_films
+from .pin_outputs import PinScalars, pin_scalars
+from .piston_motion import LATERAL, RIGID, ROCKING, Load
+from .skirt_films import AxialMotion, SkirtFilms, forces_by_film, skirt_films, together
+from .slider_crank import height
+from .system import BodySystem, OtherForces, StepProblem, rigid_piston, skirt_modes
 
 
 class Instant(NamedTuple):
@@ -52,8 +36,7 @@ class Instant(NamedTuple):
     Parameters
     ----------
     end : Motion
-        Of all coordinates: [x_A [m], rocking angle [rad], piston then block modal coordinates
-        [kg^1/2 m]], and derivatives in time.
+        Of all coordinates as of `mechanism.cylinder`, and derivatives in time.
     kept : Motion
         What the next step starts from: `end` except after an impact (Eq. (N7)).
     auxiliary : ndarray, shape (n,)
@@ -66,8 +49,6 @@ class Instant(NamedTuple):
         The same with the acceleration of `kept`: what acts at the start of the next step.
     guided : float
         Height at which the bore is read: that of A when x_A = 0 [m].
-    load : Load
-        On the piston, all but the pin's.
     side_force : float
         Of the piston on the bore through all films [N].
     films : SkirtFilms
@@ -82,6 +63,14 @@ class Instant(NamedTuple):
         As of `mechanism.solution.ChainSolution`.
     longest_step : float
         Eq. (N12) [s].
+    pin_film_thickness, circumferential_velocity : ndarray, shape (pin cells,)
+        Of all films of pin and crank, stacked [m], [m/s] (Eq. (H7)).
+    pin_work_error : ndarray, shape (films,)
+        Power of each of them on its grid minus that in the coordinates, relative [-].
+    pin_scalars : PinScalars
+    linear : Linearisation
+        For derivatives.
+    on_block : BlockForce
     """
 
     end: Motion
@@ -91,7 +80,6 @@ class Instant(NamedTuple):
     other_forces: np.ndarray
     next_other_forces: np.ndarray
     guided: float
-    load: Load
     side_force: float
     films: SkirtFilms
     axial: AxialMotion
@@ -104,98 +92,178 @@ class Instant(NamedTuple):
     tangents: int
     change: float
     longest_step: float
+    pin_film_thickness: np.ndarray
+    circumferential_velocity: np.ndarray
+    pin_work_error: np.ndarray
+    pin_scalars: PinScalars
+    linear: Linearisation
+    on_block: BlockForce
 
 
 @compiled
 def end_of_step(
-    system: BodySystem,
-    step: StepProblem,
-    forces: NodalForces,
-) -> tuple[Instant, BlockForce]:
+    of: BodySystem, step: StepProblem, skirt_forces: NodalForces, forces: PinForces
+) -> Instant:
     """Solve the equations of motion at the end of a step, with the forces there.
 
     Parameters
     ----------
-    system : BodySystem
+    of : BodySystem
     step : StepProblem
-    forces : NodalForces
-        On all film grids at its end, stacked [N].
+        Of the coordinates of `mechanism.cylinder`.
+    skirt_forces : NodalForces
+        On all film grids of the skirt at its end, stacked [N].
+    forces : PinForces
+        On all those of pin and crank, stacked [N].
 
     Returns
     -------
-    Instant, BlockForce
+    Instant
     """
-    c, before, auxiliary, _, crank, others = step
-    mechanism = system.mechanism
-    n = RIGID + len(system.piston.stiffness)
-    predicted = predict(c, before, auxiliary)
-    upright = height(mechanism, 0.0, crank.angle)
+    c, before, auxiliary, mean_velocity, crank, others = step
+    chain = of.chain
+    upright = height(of.mechanism, 0.0, crank.angle)
     guided = AxialMotion(upright.height, upright.lever * crank.speed)
-    parts = forces_by_film(system, guided.height, forces)
-    film_forces = together(parts)
-    push = with_gas(system, film_forces.piston, others.gas)
-    block_push = film_forces.block + wall_forces(system.wall, guided.height, others.wall)
-    load = load_of(system, film_forces, others, push[: n - RIGID])
-    own = solve_motion(
-        system.chain,
-        loads_of(load),
-        Prediction(predicted.position[:n], predicted.velocity[:n], predicted.auxiliary[:n]),
-        before.acceleration[:n],
-        increments_of(c, n),
-        crank,
-        others.carrier,
-    )
-    at = own.forces.motion
-    end = _moving(system, c, predicted, own.now.acceleration, block_push)
-    frame = frame_state(own.forces.inertia.frames, PISTON)
-    ride = FrameAcceleration(frame.ax, frame.ay, frame.alpha, frame.w**2)
-    _follow_statically(system, c, before.position, end, push, block_push, ride)
-    for k in range(len(end.acceleration)):
-        predicted.auxiliary[k] += c.to_auxiliary * end.acceleration[k]
-    moving = _moving_bodies(system, 0.0)
+    parts = forces_by_film(of, guided.height, skirt_forces)
+    skirt = together(parts)
+    load = load_of(of, skirt, others, on_modes(skirt))
+    held = held_forces(of, load, forces)
+    by_gas = gas_on_modes(of, guided.height, others)
+    for k in range(len(by_gas)):
+        held.modal[k] += by_gas[k]
+    predicted = predicted_of(c, before, auxiliary, mean_velocity, of.kinds)
+    by = reach_of(c, of.kinds)
+    solution = solve_motion(chain, held, predicted, before.acceleration, by, crank, others.carrier)
+    end, loads, own = solution.now, solution.loads, solution.linear.forces
+    at = own.motion
+    carried = auxiliary_after(c, predicted, before, end, of.kinds)
     kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
-    longest = longest_step(
-        moving.rigid, before, kept, predicted.auxiliary, c.step, system.resolution
-    )
-    limit_memory(moving.rigid, before, kept, predicted.auxiliary, c.step)
+    piston = rigid_piston(of)
+    longest = longest_step(piston, before, kept, carried, c.step, of.resolution)
+    limit_memory(piston, before, kept, carried, c.step)
+    limit_plays(chain.joints.play, before, kept, carried, c.step)
 
-    axial = AxialMotion(at.position[PISTON, Y], at.velocity[PISTON, Y])
-    films = skirt_films(system, guided, forces, parts, axial.velocity, end.position, end.velocity)
-    with_rod = _moving_bodies(system, carried_mass(mechanism))
-    axial_power = film_forces.axial * axial.velocity + films.on_slopes * guided.velocity
-    by_film = by_coordinate(film_forces)
-    momenta = Momenta(
-        momentum(with_rod, before.velocity),
-        momentum(with_rod, kept.velocity),
-        momentum(with_rod, mean_acceleration(before, end)),
-        momentum(moving, kept.velocity),
+    last = piston_of(chain)
+    axial = AxialMotion(at.position[last, Y], at.velocity[last, Y])
+    on_skirt = skirt_films(
+        of,
+        guided,
+        skirt_forces,
+        parts,
+        axial.velocity,
+        of_skirt(of, end.position),
+        of_skirt(of, end.velocity),
     )
-    elastic = elastic_energy(moving, end.position)
-    pin = own.forces.joints
-    rubbing = friction_at(system.chain.joints, at, pin, PISTON).moment
-    instant = Instant(
+    on_pins = pin_films(of, forces, loads, at, end)
+    driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guided.velocity + on_pins.driven
+    for k in range(len(by_gas)):
+        loads.modal[k] -= by_gas[k]
+    push = coordinate_forces(chain, loads, skirt)
+    on_pin, rubbing_power = _pin_force(of, loads, own, on_pins.friction_power)
+    return Instant(
         end=end,
         kept=kept,
-        auxiliary=predicted.auxiliary,
-        ledger=energy_ledger(before, kept, end, momenta, by_film, c.step * axial_power, elastic),
-        other_forces=other_forces(momentum(with_rod, end.acceleration), by_film),
-        next_other_forces=other_forces(momentum(with_rod, kept.acceleration), by_film),
+        auxiliary=carried,
+        ledger=_ledger(of, before, kept, end, push, c.step * driven),
+        other_forces=other_forces(arrow_product(of.with_rod, end.acceleration), push),
+        next_other_forces=other_forces(arrow_product(of.with_rod, kept.acceleration), push),
         guided=guided.height,
-        load=load,
-        side_force=-film_forces.lateral,
-        films=films,
+        side_force=-skirt.lateral,
+        films=on_skirt,
         axial=axial,
-        pin_x=pin[PISTON, X],
-        pin_y=pin[PISTON, Y] - films.on_slopes,
-        pin_moment=rubbing,
-        torque=own.forces.torque - films.on_slopes * upright.lever,
-        pin_friction_power=rubbing * (at.velocity[ROD, TURN] - at.velocity[PISTON, TURN]),
-        evaluations=own.evaluations,
-        tangents=own.tangents,
-        change=own.change,
+        pin_x=on_pin[X],
+        pin_y=on_pin[Y] - on_skirt.on_slopes,
+        pin_moment=on_pin[TURN],
+        torque=own.torque - on_skirt.on_slopes * upright.lever,
+        pin_friction_power=rubbing_power,
+        evaluations=solution.evaluations,
+        tangents=solution.tangents,
+        change=solution.change,
         longest_step=longest,
+        pin_film_thickness=on_pins.film_thickness,
+        circumferential_velocity=on_pins.circumferential_velocity,
+        pin_work_error=on_pins.work_error,
+        pin_scalars=pin_scalars(of, kept, loads),
+        linear=solution.linear,
+        on_block=_on_block(chain, load, loads, own.on_block),
     )
-    return instant, block_force(load, own.forces.on_block)
+
+
+@compilable
+def _pin_force(of, loads, own, film_power):
+    """Return force and moment of the pin on the piston, (3,), and the heat of its friction [W]."""
+    out = np.zeros(3)
+    if floats(of.chain):
+        for e in range(EYE):
+            out[X] -= loads.wrench[e, X]
+            out[Y] -= loads.wrench[e, Y]
+            out[TURN] += loads.wrench[e, REACTION]
+        return out, film_power
+    last, turning = piston_of(of.chain), own.motion.velocity
+    out[X], out[Y] = own.joints[last, X], own.joints[last, Y]
+    out[TURN] = friction_at(of.chain.joints, own.motion, own.joints, last).moment
+    return out, out[TURN] * (turning[BODY.rod, TURN] - turning[last, TURN])
+
+
+@compilable
+def _on_block(chain, load, loads, on_block):
+    """Return the forces on the block, that of a film in the main bearing to its last digit."""
+    force = block_force(load, on_block)
+    film = film_of(chain, BODY.crank)
+    if film < 0:
+        return force
+    x, y = -loads.wrench[film, X], -loads.wrench[film, Y]
+    return BlockForce(force.force_on_block_x, force.force_on_block_y, force.moment_on_block, x, y)
+
+
+@compilable
+def coordinate_forces(chain: Chain, loads: Loads, skirt: FilmForces) -> np.ndarray:
+    """Return the generalised forces of all films, but for what they do along the driven motion.
+
+    `loads` are those of films alone, `skirt` those of the skirt.
+    """
+    elements, angle = chain.elements, chain.joints.angle
+    m = chain.joints.tip.shape[1]
+    out = np.zeros(m + len(loads.modal))
+    out[LATERAL], out[ROCKING] = skirt.lateral, skirt.moment
+    for e in range(len(elements.acts)):
+        wrench, play = loads.wrench[e], elements.play[e]
+        if play < 0:
+            continue
+        out[play] += wrench[X]
+        out[play + 1] += wrench[Y]
+        if angle[elements.acts[e]] >= 0:
+            out[angle[elements.acts[e]]] += wrench[MOMENT]
+        if elements.reacts[e] >= 0 and angle[elements.reacts[e]] >= 0:
+            out[angle[elements.reacts[e]]] += wrench[REACTION]
+    for k in range(len(loads.modal)):
+        out[m + k] = loads.modal[k]
+    return out
+
+
+@compilable
+def elastic_energy(of: BodySystem, position: np.ndarray) -> float:
+    """Return the energy of all modes that have inertia [J]."""
+    chain = of.chain
+    m = chain.joints.tip.shape[1]
+    total = 0.0
+    for k in range(len(chain.bodies.stiffness)):
+        if of.kinds[m + k] != STATIC:
+            total += chain.bodies.stiffness[k] * position[m + k] ** 2 / 2
+    return total
+
+
+@compilable
+def _ledger(of, before, kept, end, by_films, driven):
+    """Return the energies at the end of a step; `driven` is the work along the driven motion."""
+    momenta = Momenta(
+        arrow_product(of.with_rod, before.velocity),
+        arrow_product(of.with_rod, kept.velocity),
+        arrow_product(of.with_rod, mean_acceleration(before, end)),
+        arrow_product(of.inertia, kept.velocity),
+    )
+    elastic = elastic_energy(of, kept.position)
+    return energy_ledger(before, kept, end, momenta, by_films, driven, elastic)
 
 
 @compilable
@@ -223,64 +291,41 @@ def load_of(system: BodySystem, films: FilmForces, others: OtherForces, modal: n
     )
 
 
-@compiled
-def with_gas(system: BodySystem, on_modes: np.ndarray, gas: float) -> np.ndarray:
-    """Return the forces on all modes of the piston with that of the gas on the crown [N]."""
-    push = on_modes.copy()
-    for k in range(len(push)):
-        push[k] += gas * system.gas_force[k]
-    return push
+@compilable
+def on_modes(skirt: FilmForces) -> np.ndarray:
+    """Return the forces of the skirt's films on the modes of piston and block [kg^-1/2 N]."""
+    first = len(skirt.piston)
+    out = np.empty(first + len(skirt.block))
+    for k in range(first):
+        out[k] = skirt.piston[k]
+    for k in range(len(skirt.block)):
+        out[first + k] = skirt.block[k]
+    return out
 
 
-@compiled
-def rigid_piston(system: BodySystem, carried: float) -> Inertia:
-    """Return the inertia of piston and pin with the mass that x_A moves beside them [kg]."""
-    piston = system.piston
-    return Inertia(piston.mass + system.mechanism.pin_mass + carried, piston.S[1], piston.I0)
+@compilable
+def gas_on_modes(system: BodySystem, guided: float, others: OtherForces) -> np.ndarray:
+    """Return the forces of gas on the modes of piston and block [kg^-1/2 N].
 
-
-@compiled
-def _moving_bodies(system, carried):
-    """Return what has inertia across the bore; `carried` as of `rigid_piston`."""
-    piston = system.piston
-    first = RIGID + len(piston.stiffness) + len(system.piston_static.stiffness)
-    return MovingBodies(piston, rigid_piston(system, carried), first, system.block.stiffness)
-
-
-@compiled
-def _moving(system, c, predicted, own, block_force):
-    """Return the motion of all coordinates at the end of a step, static modes at rest.
-
-    `own` are the accelerations of the piston's moving part.
+    `guided` is the height at which the bore is read [m].
     """
-    block = system.block
-    n = len(predicted.position)
-    first = n - len(block_force)
-    end = Motion(np.empty(n), np.empty(n), np.zeros(n))
-    for k in range(len(own)):
-        end.acceleration[k] = own[k]
-    for k in range(len(block.stiffness)):
-        resistance = block.damping[k] * predicted.velocity[first + k]
-        spring = block.stiffness[k] * predicted.position[first + k]
-        inertia = 1 + c.to_velocity * block.damping[k] + c.to_position * block.stiffness[k]
-        end.acceleration[first + k] = (block_force[k] - resistance - spring) / inertia
-    for k in range(n):
-        end.position[k] = predicted.position[k] + c.to_position * end.acceleration[k]
-        end.velocity[k] = predicted.velocity[k] + c.to_velocity * end.acceleration[k]
-    return end
+    first = len(system.gas_force)
+    wall = wall_forces(system.wall, guided, others.wall)
+    out = np.empty(first + len(wall))
+    for k in range(first):
+        out[k] = others.gas * system.gas_force[k]
+    for k in range(len(wall)):
+        out[first + k] = wall[k]
+    return out
 
 
-@compiled
-def _follow_statically(system, c, position_before, end, push, block_force, ride):
-    """Put the static modes of both bodies where their loads at the end of a step hold them.
-
-    `push` and `block_force` are the modal forces on piston and block.
-    """
-    moving = len(system.piston.stiffness)
-    if len(system.piston_static.stiffness):
-        q = static_coordinates(system.piston_static, push[moving:], ride)
-        follow(end.position, end.velocity, position_before, q, RIGID + moving, c.step)
-    moving = len(system.block.stiffness)
-    first = RIGID + len(push) + moving
-    q = static_coordinates(system.block_static, block_force[moving:], STILL)
-    follow(end.position, end.velocity, position_before, q, first, c.step)
+@compilable
+def of_skirt(of: BodySystem, coordinates: np.ndarray) -> np.ndarray:
+    """Return the coordinates of the skirt's films: x_A, rocking angle, modes of piston, block."""
+    first, modes = of.chain.joints.tip.shape[1], skirt_modes(of)
+    out = np.empty(RIGID + modes)
+    for k in range(RIGID):
+        out[k] = coordinates[k]
+    for k in range(modes):
+        out[RIGID + k] = coordinates[first + k]
+    return out

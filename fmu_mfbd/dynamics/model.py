@@ -11,18 +11,19 @@ from ...master.fmi.noted import none_yet, sentences_of
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import each_of, each_pin_of
-from ..mechanism.cylinder import EYE
+from ..mechanism.cylinder import EYE, floats
+from .bdf2 import STATIC
 from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, seen
 from .build_options import BuildOptions, FilmGrid
 from .carrier import FIXED, Carrier
 from .contradictions import FAULTS
 from .generalised_alpha import Coefficients, coefficients
 from .half_films import check_even, check_half, is_half
+from .instant import Instant
 from .parameters import REFERENCE, Damping
-from .pin_instant import PinInstant
-from .pin_response import PinResponse
 from .pin_shells import shell_modes_of
 from .piston_motion import LATERAL, ROCKING
+from .response import Response
 from .slider_crank import CrankMotion
 from .state import PistonState, problem_of, step_coefficients
 from .step import (
@@ -34,7 +35,6 @@ from .step import (
     coordinates_of,
     crank_after,
     crank_at_start,
-    has_pins,
     instant_of,
     is_started,
     modes_of,
@@ -64,6 +64,9 @@ OIL = "oil_temperature"
 
 NO_FIELD = np.zeros(0)
 """Temperature of a wall without a field input."""
+
+UNYIELDING = 1e30
+"""Stiffness of modes that follow statically if they shall not, by their own."""
 
 NOT_CARRIED = np.zeros(len(Carrier._fields))
 """No change of the block's motion."""
@@ -142,15 +145,15 @@ class PistonInBore:
     def __init__(self, model: BodyModel, options: BuildOptions, outside: OutsideBore | None = None):
         self.model = model
         self.films = options.film_grids()
-        self.grids = options.pin_grids() if has_pins(model) else ()
+        self.grids = options.pin_grids()
         self.absent = options.absent_parts()
         self.outside = outside
-        self.system = system = model.parts.system
+        self.system = system = model.parts
         self.film_surfaces = each_of(system.surfaces)
         self.has_half_films = is_half(self.film_surfaces[0])
         self.is_warm = bool(options.temperatures)
-        self.pins = each_pin_of(model.parts.surfaces)
-        self.chain = model.parts.chain
+        self.pins = each_pin_of(system.pin_surfaces)
+        self.chain = system.chain
         self.coordinates = coordinates_of(model)
         self.residual_evaluations = 0
         self.jacobian_evaluations = 0
@@ -215,15 +218,12 @@ class PistonInBore:
 
     def unyielding(self) -> "PistonInBore":
         """Return the same model without deformation of the modes that follow statically."""
-        system = self.system
-        held = [
-            modes._replace(stiffness=np.full_like(modes.stiffness, np.inf))
-            for modes in (system.piston_static, system.block_static)
-        ]
-        piston, block = held
-        stiff = system._replace(piston_static=piston, block_static=block)
+        chain = self.chain
+        static = self.system.kinds[chain.joints.tip.shape[1] :] == STATIC
+        stiffness = np.where(static, UNYIELDING, 1.0) * chain.bodies.stiffness
+        stiff = chain._replace(bodies=chain.bodies._replace(stiffness=stiffness))
         model = copy(self)
-        model.model = self.model._replace(parts=self.model.parts._replace(system=stiff))
+        model.model = self.model._replace(parts=self.system._replace(chain=stiff))
         return model
 
     def advance(self, state: PistonState, inputs: Inputs, step: float) -> tuple[PistonState, dict]:
@@ -275,8 +275,7 @@ class PistonInBore:
         warm_walls(*walls, given.fields)
         others = others_at(self.model, given, crank)
         step = problem_of(c, before, crank, others)
-        instant = self._instant(step, given, inputs)
-        now = instant.now
+        now = self._instant(step, given, inputs)
         if not now.evaluations:
             raise MotionNotSolved(
                 f"piston motion at crank angle {crank.angle:.6g} rad: Newton's method finds no "
@@ -286,7 +285,7 @@ class PistonInBore:
             raise MotionNotSolved("; ".join(odd))
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += now.tangents
-        result = result_of(self.model, before, step, time, instant, given)
+        result = result_of(self.model, before, step, time, now, given)
         self._last = result.last
         outputs = self._outputs(result)
         if self.outside:
@@ -329,12 +328,12 @@ class PistonInBore:
         if faults:
             raise ValueError("\n".join(faults))
 
-    def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> PinInstant:
+    def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> Instant:
         """Return everything at the end of a step."""
         model = self.model
         if self.outside:
             wider = deflected(self.system, self.outside, inputs.bore_deflection)
-            model = model._replace(parts=model.parts._replace(system=wider))
+            model = model._replace(parts=wider)
         return instant_of(model, step, given)
 
     def _film_on_bore(self, outside: OutsideBore, pressure_force: np.ndarray) -> np.ndarray:
@@ -353,16 +352,15 @@ class PistonInBore:
 
     def _outputs(self, result: StepResult) -> dict[str, Any]:
         """Return all outputs by name; `variables.py` has their units."""
-        instant = result.instant
-        now = instant.now
+        now = result.instant
         first, last = modes_of(self.model)
-        errors = zip((*self.films, *self.grids), (*now.films.work_error, *instant.work_error))
+        errors = zip((*self.films, *self.grids), (*now.films.work_error, *now.pin_work_error))
         outputs = {
             **by_film(self.films, "film_thickness", now.films.film_thickness),
             **by_film(self.films, "sliding_velocity", now.films.sliding_velocity),
             **(by_film(self.films, OIL, result.oil_temperature) if self.is_warm else {}),
-            **by_film(self.grids, "film_thickness", instant.film_thickness),
-            **by_film(self.grids, "circumferential_velocity", instant.circumferential_velocity),
+            **by_film(self.grids, "film_thickness", now.pin_film_thickness),
+            **by_film(self.grids, "circumferential_velocity", now.circumferential_velocity),
             **{f"{one.prefix}sliding_velocity": np.zeros(one.shape) for one in self.grids},
             **{f"{one.prefix}interface_work_error": float(error) for one, error in errors},
             **result.scalars._asdict(),
@@ -375,7 +373,7 @@ class PistonInBore:
         if last > first:
             outputs["modal_coordinate"] = now.end.position[first:last].copy()
             outputs["modal_velocity"] = now.kept.velocity[first:last].copy()
-        if self.pins and self.chain.elements.modes[EYE]:
+        if floats(self.chain) and self.chain.elements.modes[EYE]:
             position, velocity = now.end.position, now.kept.velocity
             outputs["small_end_modal_coordinate"] = shell_modes_of(
                 self.chain.elements, position, EYE
@@ -383,7 +381,7 @@ class PistonInBore:
             outputs["small_end_modal_velocity"] = shell_modes_of(
                 self.chain.elements, velocity, EYE
             ).copy()
-        of_pin = instant.scalars._asdict() if self.pins else {}
+        of_pin = now.pin_scalars._asdict() if self.pins else {}
         return outputs | {k: v for k, v in of_pin.items() if not k.startswith(self.absent)}
 
     def directional_derivative(
@@ -397,7 +395,7 @@ class PistonInBore:
     ) -> dict[str, np.ndarray | float]:
         """Return the change of outputs with the forces at the end of the last step.
 
-        These are films, motion and the forces on a mounted block (Eqs. (D7), (D23)).
+        These are films, motion and the forces on a mounted block (Eq. (D23)).
 
         Parameters
         ----------
@@ -418,26 +416,25 @@ class PistonInBore:
         given = Inputs(0.0, 0.0, pressure_force, friction_force, rings, pins=pins)
         self._reject_unused(replace(given, carrier=Carrier(*carried)))
         seeds = stacked(given)
-        found = self._response(seeds, carried)
-        change = found.change
+        change = self._response(seeds, carried)
         products = {
             **by_film(self.films, "film_thickness", change.film_thickness),
             **by_film(self.films, "sliding_velocity", change.sliding_velocity),
             **{name: getattr(change, name) for name in MOTION},
-            **by_film(self.grids, "film_thickness", found.film_thickness),
-            **by_film(self.grids, "circumferential_velocity", found.circumferential_velocity),
+            **by_film(self.grids, "film_thickness", change.pin_film_thickness),
+            **by_film(self.grids, "circumferential_velocity", change.circumferential_velocity),
         }
         if self.is_warm:
             products |= {f"{one.prefix}{OIL}": np.zeros(one.shape) for one in self.films}
         if self.model.mounted:
             names = (*ON_BLOCK, *BEARINGS) if self.outside else ON_BLOCK
-            products |= {name: getattr(found.on_block, name) for name in names}
+            products |= {name: getattr(change.on_block, name) for name in names}
         if self.outside:
             products["force_on_bore"] = self._film_on_bore(self.outside, pressure_force)
             products["force_on_deck"] = 0.0
         return products
 
-    def _response(self, seeds: StepInputs, carried: np.ndarray) -> PinResponse:
+    def _response(self, seeds: StepInputs, carried: np.ndarray) -> Response:
         """Return the change of films and motion with forces and the block's motion (4,)."""
         return response_to(self.model, self._last, seeds, carried)
 

@@ -3,10 +3,11 @@
 from collections.abc import Mapping
 
 from ...master.fmi.noted import none_yet, sentences_of
-from .assembly import NO_OWN, OwnParameters, ReducedBodies, fit_of, pin_span
-from .build_options import BuildOptions, FloatingPin
-from .contradictions import FAULT, FAULTS, check, pin_radius
-from .parameters import AxisParameters, Parameters, settings_of
+from .assembly import NO_OWN, OwnParameters, ReducedBodies, fit_of
+from .build_options import BuildOptions
+from .contradictions import FAULT, FAULTS, check
+from .parameters import Parameters, settings_of
+from .pin_axis import axis_faults
 from .thermal_growth import wall_faults
 
 LARGEST_OFFSET = 0.5
@@ -38,7 +39,7 @@ def faults(
     if options.in_space and parameters.crank_free:
         out.append("crank_free: expected 0 with motion in space, got 1")
     if options.floating_pin and own.axis:
-        out += axis_faults(bodies, options.floating_pin, parameters, own.axis)
+        out += axis_faults(bodies.piston, bodies.bosses, options.floating_pin, parameters, own.axis)
     modes = len(bodies.block.omega) + len(bodies.piston.omega)
     if options.in_space and modes:
         out.append(f"motion_in_space: expected rigid bodies, got {modes} modes")
@@ -61,23 +62,3 @@ def body_faults(bodies: ReducedBodies, options: BuildOptions) -> list[str]:
             f"{piston.radius:g} m"
         )
     return out + wall_faults(options, piston, block)
-
-
-def axis_faults(
-    bodies: ReducedBodies, pin: FloatingPin, parameters: Parameters, axis: AxisParameters
-) -> list[str]:
-    """Return sentences about a pin whose parameters contradict each other."""
-    out = []
-    radius = pin_radius(bodies.piston.radius, parameters)
-    if axis.pin_bore_radius >= radius:
-        out.append(
-            f"pin_bore_radius: expected less than the radius of the pin, {1e3 * radius:.4g} mm, "
-            f"got {1e3 * axis.pin_bore_radius:.4g} mm"
-        )
-    span = pin_span(pin, bodies.bosses)
-    if axis.pin_length and axis.pin_length < (1 - 1e-9) * span:
-        out.append(
-            f"pin_length: expected 0 or at least the length of all films, {1e3 * span:.4g} mm, "
-            f"got {1e3 * axis.pin_length:.4g} mm"
-        )
-    return out

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.arrays import Vector
 from ..geometry.pin import (
     ModeMotion,
     PinForces,
@@ -25,14 +24,13 @@ from ..geometry.pin import (
     slope_push,
     yielded,
 )
-from ..geometry.pin_shapes import AxisShapes
 from ..geometry.surfaces import pin_surface_at, pins_of
 from ..mechanism.chain import Chain, Loads
-from ..mechanism.cylinder import EYE
+from ..mechanism.cylinder import EYE, floats
 from ..mechanism.loads import MOMENT, REACTION, HeldForces, no_forces
 from ..mechanism.motion import ChainChange, ChainMotion
 from .bdf2 import STATIC
-from .floating_frame import TURN, Arrow, X, Y
+from .floating_frame import TURN, X, Y
 from .generalised_alpha import Motion
 from .pin_shells import (
     Shell,
@@ -47,34 +45,6 @@ from .pin_shells import (
 from .piston_motion import Load
 from .skirt_films import FilmChange, stack
 from .system import BodySystem
-
-
-class PinSystem(NamedTuple):
-    """Bodies and films of a piston; without films of the pin, the pin is tied.
-
-    Parameters
-    ----------
-    system : BodySystem
-        The same with the pin tied.
-    chain : Chain
-        Of `mechanism.cylinder`.
-    kinds : ndarray, shape (n,)
-        Time integrator of each coordinate, as of `bdf2.reach_of`.
-    shapes : AxisShapes
-        Of the pin.
-    surfaces : ndarray
-        Films of pin and crank, a block of `geometry.pin_surfaces`.
-    inertia, with_rod : Arrow
-        `cylinder.motion_across` without and with the rod; empty if the pin is tied.
-    """
-
-    system: BodySystem
-    chain: Chain
-    kinds: Vector
-    shapes: AxisShapes
-    surfaces: Vector
-    inertia: Arrow
-    with_rod: Arrow
 
 
 @compilable
@@ -94,12 +64,25 @@ def on_film(surface: PinSurface, forces: PinForces, first: int) -> PinForces:
 
 
 @compilable
-def held_forces(of: PinSystem, load: Load, forces: PinForces) -> HeldForces:
+def forces_of(chain: Chain, load: Load) -> HeldForces:
+    """Return the forces of all elements with a load on the piston and no films of pin and crank."""
+    out = no_forces(chain)
+    for k in range(len(load.modal)):
+        out.modal[k] = load.modal[k]
+    skirt = len(out.moment) - 2
+    out.force[skirt, X], out.force[skirt, Y] = load.lateral, load.axial + load.guided
+    out.moment[skirt] = load.moment
+    out.force[skirt + 1, Y] = -load.guided
+    return out
+
+
+@compilable
+def held_forces(of: BodySystem, load: Load, forces: PinForces) -> HeldForces:
     """Return the forces of all elements: films of pin and crank, then skirt and gas.
 
     Parameters
     ----------
-    of : PinSystem
+    of : BodySystem
     load : Load
         On the piston, without its pin, and on the modes of piston and block.
     forces : PinForces
@@ -107,12 +90,10 @@ def held_forces(of: PinSystem, load: Load, forces: PinForces) -> HeldForces:
     """
     elements, m = of.chain.elements, of.chain.joints.tip.shape[1]
     n = len(elements.acts)
-    out = no_forces(of.chain)
-    for k in range(len(load.modal)):
-        out.modal[k] = load.modal[k]
+    out = forces_of(of.chain, load)
     cell, slope = 0, 0
     for e in range(n - 2):
-        surface = pin_surface_at(of.surfaces, e)
+        surface = pin_surface_at(of.pin_surfaces, e)
         own = on_film(surface, forces, cell)
         cell += len(own.pressure)
         still = np.zeros((surface.axis.shape[1], 2))
@@ -127,10 +108,6 @@ def held_forces(of: PinSystem, load: Load, forces: PinForces) -> HeldForces:
             out.modal[elements.mode[e] - m + k] += push[k]
             out.slopes[slope + k] = by_slope[k]
         slope += len(push)
-    skirt = n - 2
-    out.force[skirt, X], out.force[skirt, Y] = load.lateral, load.axial + load.guided
-    out.moment[skirt] = load.moment
-    out.force[skirt + 1, Y] = -load.guided
     return out
 
 
@@ -184,7 +161,7 @@ class PinFilmState(NamedTuple):
     Parameters
     ----------
     film_thickness, circumferential_velocity, work_error
-        As of `PinInstant`.
+        As of `Instant`.
     friction_power : float
         Of the films of the pin [W].
     driven : float
@@ -200,17 +177,17 @@ class PinFilmState(NamedTuple):
 
 @compilable
 def pin_films(
-    of: PinSystem, forces: PinForces, loads: Loads, at: ChainMotion, end: Motion
+    of: BodySystem, forces: PinForces, loads: Loads, at: ChainMotion, end: Motion
 ) -> PinFilmState:
     """Return all films of pin and crank at an instant."""
     cells = len(forces.pressure)
     gaps = np.empty(cells)
     around = np.empty(cells)
-    errors = np.empty(pins_of(of.surfaces))
+    errors = np.empty(pins_of(of.pin_surfaces))
     friction_power, driven = 0.0, 0.0
     first = 0
     for e in range(len(errors)):
-        surface = pin_surface_at(of.surfaces, e)
+        surface = pin_surface_at(of.pin_surfaces, e)
         shell = shell_of(of.chain.elements, at, end, e)
         own = on_film(surface, forces, first)
         last = first + len(own.pressure)
@@ -220,7 +197,7 @@ def pin_films(
         for cell in range(first, last):
             around[cell] = surface.radius * shell.turning  # Eq. (H7)
         errors[e] = _work_error(of, surface, own, shell, loads, end, e)
-        if e <= EYE:
+        if e <= EYE and floats(of.chain):
             friction_power -= shell.turning * loads.wrench[e, MOMENT]
         for body, moment in (
             (of.chain.elements.acts[e], loads.wrench[e, MOMENT]),
@@ -234,18 +211,18 @@ def pin_films(
 
 @compilable
 def pin_changes(
-    of: PinSystem, at: ChainMotion, end: Motion, moved: Motion, bodies: ChainChange
+    of: BodySystem, at: ChainMotion, end: Motion, moved: Motion, bodies: ChainChange
 ) -> FilmChange:
     """Return the change of all films of pin and crank with a change of coordinates and bodies."""
     cells = 0
-    for e in range(pins_of(of.surfaces)):
-        surface = pin_surface_at(of.surfaces, e)
+    for e in range(pins_of(of.pin_surfaces)):
+        surface = pin_surface_at(of.pin_surfaces, e)
         cells += surface.outward.shape[1] * len(surface.clearance)
     gaps = np.empty(cells)
     velocities = np.empty(cells)
     first = 0
-    for e in range(pins_of(of.surfaces)):
-        surface = pin_surface_at(of.surfaces, e)
+    for e in range(pins_of(of.pin_surfaces)):
+        surface = pin_surface_at(of.pin_surfaces, e)
         shell = shell_of(of.chain.elements, at, end, e)
         by_motion = shell_change(of.chain.elements, moved, bodies, e)
         aside = across(shell.place)

@@ -120,7 +120,7 @@ def forces_by_film(system: BodySystem, guided: float, forces: NodalForces) -> Fi
         Stacked [N].
     """
     modes = len(system.gas_force)
-    of_block = len(system.block.stiffness) + len(system.block_static.stiffness)
+    of_block = system.wall.above.shape[1]
     n = count_of(system.surfaces)
     parts = FilmParts(
         np.empty(n), np.empty(n), np.empty(n), np.empty((n, modes)), np.empty((n, of_block))

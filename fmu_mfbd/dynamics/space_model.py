@@ -11,6 +11,7 @@ import numpy as np
 
 from ..geometry.film import NodalForces
 from ..geometry.space import Levers, levers, slope_around
+from ..mechanism.solution import no_linearisation
 from .block_force import NO_FORCE
 from .carrier import FIXED
 from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
@@ -35,8 +36,7 @@ from .motion_in_space import (
     tangent,
     with_pin,
 )
-from .pin_instant import PinInstant
-from .pin_response import PinResponse
+from .pin_outputs import PinScalars
 from .piston_motion import LATERAL, RIGID, ROCKING, lateral_motion
 from .response import Response, load_change
 from .skirt_films import (
@@ -51,7 +51,7 @@ from .skirt_films import (
     window_of,
 )
 from .slider_crank import CrankMotion, height, motion
-from .step import StepInputs, StepResult, tied
+from .step import StepInputs, StepResult
 from .system import StepProblem
 
 PASSES = 60
@@ -118,6 +118,10 @@ class SpaceScalars(NamedTuple):
     ]
 
 
+NO_PIN = PinScalars(*[0.0] * len(PinScalars._fields))
+"""Outputs of a pin that is tied."""
+
+
 class PistonInSpace(PistonInBore):
     """Rigid piston in a rigid bore, with five coordinates.
 
@@ -138,7 +142,7 @@ class PistonInSpace(PistonInBore):
         self.inertia = inertia(bodies)
         self.with_rod = inertia_with_rod(bodies)
 
-    def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> PinInstant:
+    def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> Instant:
         """Return everything at the end of a step, as `instant.end_of_step`."""
         c, before, auxiliary, _, crank, others = step
         system = self.system
@@ -176,7 +180,10 @@ class PistonInSpace(PistonInBore):
         lack = solved.lack
         pin_x, pin_y = lack.on_piston
         rod = motion(system.mechanism, lateral_motion(end), crank).rod
-        instant = Instant(
+        unbalance = self.model.settings.crank_unbalance
+        on_block, self._across = block_force(self.bodies, load, unbalance, end, crank, lack)
+        none = np.zeros(0)
+        return Instant(
             end=end,
             kept=kept,
             auxiliary=carried,
@@ -184,7 +191,6 @@ class PistonInSpace(PistonInBore):
             other_forces=other_forces(M @ end.acceleration, films),  # Eq. (D15)
             next_other_forces=other_forces(M @ kept.acceleration, films),
             guided=guided.height,
-            load=plane,
             side_force=-skirt.lateral,
             films=on_grids,
             axial=AxialMotion(now.height, axial_velocity),
@@ -197,10 +203,13 @@ class PistonInSpace(PistonInBore):
             tangents=solved.tangents,
             change=solved.change,
             longest_step=longest,
+            pin_film_thickness=none,
+            circumferential_velocity=none,
+            pin_work_error=none,
+            pin_scalars=NO_PIN,
+            linear=no_linearisation(),
+            on_block=on_block,
         )
-        unbalance = self.model.settings.crank_unbalance
-        on_block, self._across = block_force(self.bodies, load, unbalance, end, crank, lack)
-        return tied(instant, on_block)
 
     def _films(
         self,
@@ -321,7 +330,7 @@ class PistonInSpace(PistonInBore):
 
     def _outputs(self, result: StepResult) -> dict[str, Any]:
         """Return the outputs of a piston in its plane, and those across it."""
-        now = result.instant.now
+        now = result.instant
         shift, roll, yaw = now.end.position[IN_SPACE]
         solved = self._space.solved
         motion = (shift, self.bodies.tilt + roll, yaw, *now.kept.velocity[IN_SPACE])
@@ -329,7 +338,7 @@ class PistonInSpace(PistonInBore):
         scalars = SpaceScalars._make([*motion, *held, *self._across])
         return super()._outputs(result) | scalars._asdict()
 
-    def _response(self, seeds: StepInputs, carried: np.ndarray) -> PinResponse:
+    def _response(self, seeds: StepInputs, carried: np.ndarray) -> Response:
         """Return the change of the skirt's films and of the motion with forces.
 
         Eq. (D29):  J dq'' = -dr,   dq = c2 dq'',   dq' = c1 dq''       J, r of Eq. (D27)
@@ -357,16 +366,16 @@ class PistonInSpace(PistonInBore):
         rising = link.slope * speed[LATERAL] + link.axial_by_velocity / 2 * place[LATERAL]
         in_plane = Change(place[:RIGID], speed[:RIGID])
         flat = skirt_changes(system, guided, rising, in_plane, Change(NO_MODES, NO_MODES))
-        found = Response(
+        return Response(
             flat.film_thickness + on_cells(side.opening(place[IN_SPACE]) for side in sides),
             flat.sliding_velocity + on_cells(side.sliding * speed[ROLL] for side in sides),
             speed[LATERAL],
             speed[ROCKING],
             rising,
-            acceleration,
-            plane,
+            NO_MODES,
+            NO_MODES,
+            NO_FORCE,
         )
-        return PinResponse(found, NO_MODES, NO_MODES, NO_FORCE)
 
 
 def on_cells(fields: Iterable[np.ndarray]) -> np.ndarray:

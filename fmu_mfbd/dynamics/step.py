@@ -8,28 +8,22 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
-from ..geometry.surfaces import pins_of
-from ..mechanism.solution import no_linearisation
-from ..mechanism.tied_pin import tied_forces
+from ..mechanism.derivative import drive_inertia
 from .account import EnergyAccount, account
-from .block_force import NO_FORCE, BlockForce, force_change
+from .block_force import BlockForce
 from .carrier import Carrier, carrier_from
 from .contradictions import FAULT
 from .drive import Scalars, demand_of, moved_inertia, scalars_of
 from .gas_on_bore import WallPressures
-from .generalised_alpha import Motion
 from .instant import Instant, end_of_step
 from .modal_damping import put_damping
 from .parameters import GAS_SOURCES, Settings
-from .pin_films import PinSystem, undamp_static
-from .pin_instant import PinInstant, PinScalars, end_of_pin_step
-from .pin_response import PinResponse, respond_pin
-from .piston_motion import RIGID
-from .response import StepEnd, response
+from .pin_films import undamp_static
+from .response import Response, StepEnd, response
 from .slider_crank import CrankMotion, driven
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, state_at
-from .system import OtherForces, RingForce, StepProblem
+from .system import BodySystem, OtherForces, RingForce, StepProblem, skirt_modes
 from .tables import GasTable, gas_pressure
 from .thermal_growth import (
     ColdWalls,
@@ -46,9 +40,6 @@ from .thermal_growth import (
 GAS = namedtuple("GasSource", GAS_SOURCES)(*range(1, 1 + len(GAS_SOURCES)))
 """Numbers of the choices in `GAS_SOURCES`."""
 
-NO_PIN = PinScalars(*[0.0] * len(PinScalars._fields))
-"""Scalars of a pin that is tied."""
-
 START_PASSES = 40
 """Most passes to the start of a free crank; each gains a digit or more."""
 
@@ -58,7 +49,7 @@ class BodyModel(NamedTuple):
 
     Parameters
     ----------
-    parts : PinSystem
+    parts : BodySystem
     settings : Settings
     gas : GasTable
     gas_area : float
@@ -70,7 +61,7 @@ class BodyModel(NamedTuple):
     cold : ColdWalls
     """
 
-    parts: PinSystem
+    parts: BodySystem
     settings: Settings
     gas: GasTable
     gas_area: float
@@ -121,7 +112,7 @@ FIELDS = ("skirt", "pins", "rings", "carrier", "fields")
 class StepResult(NamedTuple):
     """End of a step: motion and films, outputs, and what the next step and derivatives need."""
 
-    instant: PinInstant
+    instant: Instant
     scalars: Scalars
     others: OtherForces
     side_force_demand: float
@@ -132,37 +123,22 @@ class StepResult(NamedTuple):
 
 
 @compilable
-def has_pins(model: BodyModel) -> bool:
-    """Return whether the pin floats."""
-    return pins_of(model.parts.surfaces) > 0
-
-
-@compilable
 def coordinates_of(model: BodyModel) -> int:
     """Return the number of coordinates of all bodies."""
-    system = model.parts.system
-    if has_pins(model):
-        return len(model.parts.kinds)
-    block = len(system.block.stiffness) + len(system.block_static.stiffness)
-    return RIGID + len(system.gas_force) + block
+    return len(model.parts.kinds)
 
 
 @compilable
 def modes_of(model: BodyModel) -> tuple[int, int]:
     """Return the first and the end of the modal coordinates of piston and block."""
-    if not has_pins(model):
-        return RIGID, coordinates_of(model)
-    system = model.parts.system
     first = model.parts.chain.joints.tip.shape[1]
-    return first, first + len(system.gas_force) + system.wall.above.shape[1]
+    return first, first + skirt_modes(model.parts)
 
 
 @compilable
 def set_damping(model: BodyModel, p: Any) -> None:
     """Overwrite the damping of all modes by Eq. (I5)."""
-    system, bodies = model.parts.system, model.parts.chain.bodies
-    put_damping(system.chain.bodies.damping, system.chain.bodies.stiffness, p)
-    put_damping(system.block.damping, system.block.stiffness, p)
+    bodies = model.parts.chain.bodies
     put_damping(bodies.damping, bodies.stiffness, p)
     undamp_static(model.parts.kinds, model.parts.chain)
 
@@ -268,19 +244,9 @@ def others_at(model: BodyModel, inputs: StepInputs, crank: CrankMotion) -> Other
 
 
 @compilable
-def instant_of(model: BodyModel, step: StepProblem, inputs: StepInputs) -> PinInstant:
+def instant_of(model: BodyModel, step: StepProblem, inputs: StepInputs) -> Instant:
     """Return everything at the end of a step; its evaluations are 0 if it is not solved."""
-    if has_pins(model):
-        return end_of_pin_step(model.parts, step, inputs.skirt, inputs.pins)
-    now, on_block = end_of_step(model.parts.system, step, inputs.skirt)
-    return tied(now, on_block)
-
-
-@compilable
-def tied(now: Instant, on_block: BlockForce) -> PinInstant:
-    """Return an instant of a piston whose pin is tied."""
-    none = np.zeros(0)
-    return PinInstant(now, none, none, none, NO_PIN, no_linearisation(), on_block)
+    return end_of_step(model.parts, step, inputs.skirt, inputs.pins)
 
 
 @compilable
@@ -289,12 +255,12 @@ def result_of(
     before: PistonState,
     step: StepProblem,
     time: float,
-    instant: PinInstant,
+    now: Instant,
     inputs: StepInputs,
 ) -> StepResult:
     """Return state and outputs at the end of a step.
 
-    The films of `instant` open by thermal growth.
+    The films of the skirt open by thermal growth.
 
     Parameters
     ----------
@@ -304,19 +270,13 @@ def result_of(
     step : StepProblem
     time : float
         At the end of the step [s].
-    instant : PinInstant
+    now : Instant
     inputs : StepInputs
     """
-    now = instant.now
-    system = model.parts.system
+    system = model.parts
     settings = model.settings
     crank = step.crank
-    moving = RIGID + len(system.piston.stiffness)  # derivatives of a tied pin need the piston alone
-    if has_pins(model):
-        moving = len(now.end.position)
-    position, velocity, acceleration = now.end
-    motion = Motion(position[:moving], velocity[:moving], acceleration[:moving])
-    last = StepEnd(step.coefficients, now.guided, now.load, motion, crank, instant.linear)
+    last = StepEnd(step.coefficients, now.guided, now.end, crank, now.linear)
     torque = now.torque + settings.crank_inertia * crank.acceleration
     jerk = 0.0
     if settings.crank_free != 0.0:
@@ -349,7 +309,7 @@ def result_of(
         )
     inertia = settings.crank_inertia + moved_inertia(system, step.crank.angle)
     return StepResult(
-        instant,
+        now,
         scalars_of(
             now,
             step.crank,
@@ -361,7 +321,7 @@ def result_of(
         ),
         step.others,
         demand_of(system, step.others, step.crank),
-        instant.on_block,
+        now.on_block,
         state,
         last,
         oil_temperatures(system.surfaces, now.guided, skirt_level, bore_level),
@@ -376,12 +336,8 @@ def released(model: BodyModel, last: StepEnd, crank: CrankMotion, torque: float)
 
     `torque` is the left side at the acceleration of `crank` [N m].
     """
-    chain = model.parts.system.chain
-    faster = CrankMotion(crank.angle, crank.speed, crank.acceleration + 1.0)
-    there = tied_forces(chain, last.load, last.now, faster).torque
-    here = tied_forces(chain, last.load, last.now, crank).torque
-    inertia = there - here + model.settings.crank_inertia
-    return crank.acceleration - torque / inertia  # Eq. (K9)
+    moved = drive_inertia(model.parts.chain, last.linear.forces, last.now, crank)
+    return crank.acceleration - torque / (moved + model.settings.crank_inertia)  # Eq. (K9)
 
 
 # ---- derivatives at its end
@@ -390,18 +346,7 @@ def released(model: BodyModel, last: StepEnd, crank: CrankMotion, torque: float)
 @compilable
 def response_to(
     model: BodyModel, last: StepEnd, seeds: StepInputs, carried: np.ndarray
-) -> PinResponse:
-    """Return the change of films and motion with forces and the block's motion (4,).
-
-    See Eqs. (D7) and (D23).
-    """
-    system = model.parts.system
+) -> Response:
+    """Return the change at the end of a step with forces and the block's motion (4,)."""
     carrier = carrier_from(carried)
-    if has_pins(model):
-        return respond_pin(model.parts, last, seeds.skirt, seeds.rings, seeds.pins, carrier)
-    none = np.zeros(0)
-    found = response(system, last, seeds.skirt, seeds.rings, carrier)
-    on_block = NO_FORCE
-    if model.mounted:
-        on_block = force_change(system, last, found, carried)
-    return PinResponse(found, none, none, on_block)
+    return response(model.parts, last, seeds.skirt, seeds.rings, seeds.pins, carrier)

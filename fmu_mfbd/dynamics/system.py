@@ -2,40 +2,73 @@
 
 from typing import NamedTuple
 
+from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Vector
+from ..geometry.pin_shapes import AxisShapes
 from ..mechanism.chain import Chain
 from .carrier import FIXED, Carrier
-from .floating_frame import FlexibleBody
+from .floating_frame import Arrow, Y
 from .gas_on_bore import BoreWall, WallPressures
 from .generalised_alpha import Coefficients, Motion
-from .modal_damping import ModalSprings
-from .quasi_static import StaticModes
+from .impact import Inertia
 from .slider_crank import CrankMotion, Mechanism
 
 
 class BodySystem(NamedTuple):
-    """Both bodies, the mechanism and the geometry of all films.
+    """All bodies of a cylinder and the geometry of all films.
 
-    `chain` are the bodies on a tied pin (`mechanism.tied_pin`).
+    Fields of all films of the skirt are stacked: the cells of the first, (c, a) in C order, then
+    those of the second. Those of pin and crank are stacked likewise.
 
-    Of each body, the modes that move and, after them, those that follow statically. gas_force (k +
-    s,) is the modal force of a unit gas force on the crown [kg^-1/2], pin_offset x of A from the
-    skirt's axis [m], resolution that of impacts (Eq. (N12)) [m]. All film surfaces are one block
-    (`geometry.surfaces`). Fields of all of them are stacked: the cells of the first, (c, a) in C
-    order, then those of the second.
+    Parameters
+    ----------
+    chain : Chain
+        Of `mechanism.cylinder`.
+    kinds : ndarray, shape (n,)
+        Time integrator of each coordinate, as of `bdf2.reach_of`.
+    inertia, with_rod : Arrow
+        `cylinder.motion_across` without and with the rod.
+    shapes : AxisShapes
+        Of the pin.
+    mechanism : Mechanism
+    surfaces, pin_surfaces : ndarray
+        Films of the skirt, and of pin and crank, each a block of `geometry.surfaces`.
+    pin_offset : float
+        x of A from the skirt's axis [m].
+    gas_force : ndarray, shape (k,)
+        Modal force of a unit gas force on the crown, of all modes of the piston [kg^-1/2].
+    wall : BoreWall
+        With all modes of the block.
+    resolution : float
+        Of impacts (Eq. (N12)) [m].
     """
 
-    piston: FlexibleBody
-    piston_static: StaticModes
-    block: ModalSprings
-    block_static: StaticModes
-    mechanism: Mechanism
     chain: Chain
+    kinds: Vector
+    inertia: Arrow
+    with_rod: Arrow
+    shapes: AxisShapes
+    mechanism: Mechanism
     surfaces: Vector
+    pin_surfaces: Vector
     pin_offset: float
     gas_force: Vector
     wall: BoreWall
     resolution: float
+
+
+@compilable
+def skirt_modes(system: BodySystem) -> int:
+    """Return the number of modes of piston and block."""
+    return len(system.gas_force) + system.wall.above.shape[1]
+
+
+@compilable
+def rigid_piston(system: BodySystem) -> Inertia:
+    """Return the inertia of piston and pin."""
+    bodies = system.chain.bodies
+    mass = bodies.mass[-1] + system.mechanism.pin_mass
+    return Inertia(mass, bodies.S[-1, Y], bodies.I0[-1])
 
 
 class RingForce(NamedTuple):

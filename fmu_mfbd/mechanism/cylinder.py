@@ -1,9 +1,9 @@
 """The chain of one cylinder: crank, rod, pin and piston, and the films between them.
 
-Its coordinates are x_A, the rocking angle, then with a floating pin those of `PIN`, crank pin from
-the rod's big end (x, y) and journal from the main bearing (x, y) if they have a film. Modes of the
-piston follow, first those with inertia, then modes of the block, shapes of the pin along x and
-along y, modes of eye, big end and main bearing.
+A tied pin is part of the rod. Its coordinates are x_A, the rocking angle, then with a floating pin
+those of `PIN`, crank pin from the rod's big end (x, y) and journal from the main bearing (x, y) if
+they have a film. Modes of the piston follow, first those with inertia, then modes of the block,
+shapes of the pin along x and along y, modes of eye, big end and main bearing.
 
 Relative coordinates keep the digits of a pin that moves by micrometres in its films. The rod stays
 on the crank without a constraint to drift from. The modes of shells have the inertia of their own
@@ -22,12 +22,14 @@ from ..dynamics.carrier import FIXED
 from ..dynamics.floating_frame import Arrow, FlexibleBody, X, Y
 from ..dynamics.generalised_alpha import Motion
 from ..dynamics.modal_damping import ModalSprings
+from ..dynamics.pin_friction import put_pin_friction
 from ..dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from ..dynamics.quasi_static import StaticModes
 from ..dynamics.slider_crank import CrankMotion, Mechanism
 from ..geometry.pin import PIN_SURFACES
 from .chain import BLOCK, NONE, Bodies, Chain, Elements, Joints
-from .equations import chain_forces, chain_tangent
+from .derivative import chain_tangent
+from .equations import chain_forces
 from .loads import no_loads
 from .motion import Increments
 
@@ -36,12 +38,11 @@ EYE = PIN_SURFACES.index("small_end")
 
 
 class CylinderBodies(NamedTuple):
-    """Numbers of the bodies of a cylinder."""
+    """Numbers of the bodies of a cylinder; the pin is one if it floats, the piston is the last."""
 
     crank: int = 0
     rod: int = 1
     pin: int = 2
-    piston: int = 3
 
 
 BODY = CylinderBodies()
@@ -83,7 +84,7 @@ class CylinderParts(NamedTuple):
     unbalance : float
         Of the crank, mass times distance towards the crank pin [kg m].
     floats, big_end, main_bearing : bool
-        Which of pin, big end and main bearing have films; the latter two only with the first.
+        Which of pin, big end and main bearing have films.
     springs : ModalSprings
         Of the static modes, of the block, of the pin's shapes and of the modes of all shells.
     block_modes, block_static : int
@@ -124,9 +125,16 @@ def cylinder_chain(c: CylinderParts) -> Chain:
 
 
 @compilable
+def _count(c):
+    """Return the number of bodies."""
+    return 4 if c.floats else 3
+
+
+@compilable
 def _bodies_of(c):
     """Return the inertia of crank, rod, pin and piston."""
-    n, k = len(BODY), len(c.piston.stiffness)
+    n, k = _count(c), len(c.piston.stiffness)
+    piston = n - 1
     rod, centre = c.mechanism.rod_mass, c.mechanism.rod_centre * c.mechanism.rod_length
     masses, S, modes = np.zeros((2, n)), np.zeros((n, 2)), np.zeros((2, n + 1), np.int64)
     mass, I0 = masses[0], masses[1]
@@ -134,11 +142,15 @@ def _bodies_of(c):
     S[BODY.crank, Y] = c.unbalance
     mass[BODY.rod], S[BODY.rod, Y] = rod, rod * centre
     I0[BODY.rod] = c.mechanism.rod_inertia + rod * centre**2
-    mass[BODY.pin] = c.mechanism.pin_mass
     if c.floats:
-        I0[BODY.pin] = c.spin_inertia
-    mass[BODY.piston], I0[BODY.piston] = c.piston.mass, c.piston.I0
-    S[BODY.piston, X], S[BODY.piston, Y] = c.piston.S[X], c.piston.S[Y]
+        mass[BODY.pin], I0[BODY.pin] = c.mechanism.pin_mass, c.spin_inertia
+    else:
+        pin, length = c.mechanism.pin_mass, c.mechanism.rod_length
+        mass[BODY.rod] += pin
+        S[BODY.rod, Y] += pin * length
+        I0[BODY.rod] += pin * length**2
+    mass[piston], I0[piston] = c.piston.mass, c.piston.I0
+    S[piston, X], S[piston, Y] = c.piston.S[X], c.piston.S[Y]
     modes[0, n], modes[1, n] = k, 2 * k * k
     coupling = np.empty((2, k, k))
     for i in range(k):
@@ -175,16 +187,17 @@ def _bodies_of(c):
 @compilable
 def _joints_of(c):
     """Return the joints of crank, rod, pin and piston, each hangs on the one before it."""
-    n = len(BODY)
+    n = _count(c)
+    piston = n - 1
     parent, play, angle = np.full(n, BLOCK), np.full(n, NONE), np.full(n, NONE)
     marker, sign, driven = np.zeros((n, 2)), np.ones(n), np.zeros(n)
     length, offset = np.zeros(n), np.zeros(n)
     for b in range(1, n):
         parent[b] = b - 1
-    angle[BODY.pin], angle[BODY.piston] = ROCKING, ROCKING
+    angle[piston] = ROCKING
     size = RIGID
     if c.floats:
-        play[BODY.piston], play[BODY.pin], angle[BODY.pin] = PIN.boss_x, PIN.eye_x, PIN.spin
+        play[piston], play[BODY.pin], angle[BODY.pin] = PIN.boss_x, PIN.eye_x, PIN.spin
         size = COORDINATES
     if c.big_end:
         play[BODY.rod] = size
@@ -193,14 +206,17 @@ def _joints_of(c):
         play[BODY.crank] = size
         size += 2
     # Eqs. (K16), (K25)
-    sign[BODY.piston], sign[BODY.rod] = -1.0, -1.0
+    sign[piston], sign[BODY.rod] = -1.0, -1.0
     driven[BODY.crank] = 1.0
-    marker[BODY.rod, Y], marker[BODY.pin, Y] = c.mechanism.crank_radius, c.mechanism.rod_length
+    marker[BODY.rod, Y], marker[BODY.rod + 1, Y] = c.mechanism.crank_radius, c.mechanism.rod_length
     length[BODY.rod], offset[BODY.rod] = c.mechanism.rod_length, c.mechanism.offset
     tip = np.zeros((n, size))
     tip[BODY.rod, LATERAL] = 1.0
+    friction = np.zeros((n, 3))
     if c.floats:
         tip[BODY.rod, PIN.boss_x], tip[BODY.rod, PIN.eye_x] = 1.0, -1.0
+    else:
+        put_pin_friction(friction[piston], c.mechanism.friction)
     return Joints(
         parent=parent,
         play=play,
@@ -211,17 +227,18 @@ def _joints_of(c):
         rod_length=length,
         offset=offset,
         tip=tip,
-        friction=np.zeros((n, 3)),
+        friction=friction,
     )
 
 
 @compilable
 def _elements_of(c, joints):
     """Return the force elements: films in the order of their surfaces, then skirt and gas."""
-    films = (EYE + 1 if c.floats else 0) + c.big_end + c.main_bearing
+    of_pin, piston = EYE + 1 if c.floats else 0, _count(c) - 1
+    films = of_pin + c.big_end + c.main_bearing
     n = films + 2
     out = Elements(
-        acts=np.full(n, BODY.piston),
+        acts=np.full(n, piston),
         reacts=np.full(n, BLOCK),
         carrier=np.full(n, BLOCK),
         axes=np.full(n, BLOCK),
@@ -240,21 +257,21 @@ def _elements_of(c, joints):
     main = first + len(c.piston.stiffness) + len(c.springs.stiffness) - c.main_bearing_modes
     big_end = main - c.big_end_modes
     for e in range(films):
-        if e < EYE:
-            _put_film(out, e, BODY.pin, BODY.piston, joints.play[BODY.piston], first, k)
-        elif e == EYE:
+        if e < of_pin - 1:
+            _put_film(out, e, BODY.pin, piston, joints.play[piston], first, k)
+        elif e == of_pin - 1:
             _put_film(out, e, BODY.pin, BODY.rod, joints.play[BODY.pin], eye, big_end - eye)
             out.point[e, Y] = c.mechanism.rod_length
-        elif e == EYE + 1 and c.big_end:
+        elif e == of_pin and c.big_end:
             _put_film(out, e, BODY.crank, BODY.rod, joints.play[BODY.rod], big_end, c.big_end_modes)
             out.marker[e, Y] = c.mechanism.crank_radius
         else:
             _put_film(
                 out, e, BODY.crank, BLOCK, joints.play[BODY.crank], main, c.main_bearing_modes
             )
-        if e <= EYE:
+        if e < of_pin:
             out.shape[e], out.shapes[e] = bent, c.shapes
-    out.carrier[films] = BODY.piston
+    out.carrier[films] = piston
     out.point[films + 1, X], out.at_point[films + 1] = c.mechanism.offset, 1.0
     return out
 
@@ -264,6 +281,18 @@ def _put_film(out, e, journal, shell, play, mode, modes):
     """Write a film between a journal and the shell that its forces turn with."""
     out.acts[e], out.reacts[e], out.carrier[e], out.axes[e] = journal, shell, shell, shell
     out.play[e], out.mode[e], out.modes[e] = play, mode, modes
+
+
+@compilable
+def piston_of(chain: Chain) -> int:
+    """Return the number of the piston, the last body."""
+    return len(chain.bodies.mass) - 1
+
+
+@compilable
+def floats(chain: Chain) -> bool:
+    """Return whether the pin floats."""
+    return chain.joints.play[piston_of(chain)] >= 0
 
 
 @compilable
@@ -280,17 +309,17 @@ def film_of(chain: Chain, body: int) -> int:
 def integrators(c: CylinderParts, chain: Chain) -> np.ndarray:
     """Return the time integrator of each coordinate, as of `bdf2.reach_of`, shape (m + k,).
 
-    With a floating pin, plays and modes follow BDF2: they are so stiff that a step does not resolve
-    their inertia.
+    Plays, and modes of the bodies with films that carry them, follow BDF2: they are so stiff that a
+    step does not resolve their inertia. With a floating pin these are all modes.
     """
     m = chain.joints.tip.shape[1]
     out = np.zeros(m + len(chain.bodies.stiffness))
     for first in chain.joints.play:
-        if first >= 0:
-            for j in range(first, first + 2):
-                out[j] = BY_BDF2
-            for j in range(m, len(out)):
-                out[j] = BY_BDF2
+        for j in range(first, first + 2 if first >= 0 else first):
+            out[j] = BY_BDF2
+    of_skirt = len(c.piston.stiffness) + len(c.static.stiffness) + c.block_modes
+    for j in range(m if c.floats else m + of_skirt, len(out)):
+        out[j] = BY_BDF2
     block = m + len(c.piston.stiffness) + len(c.static.stiffness)
     for j in range(m + len(c.piston.stiffness), block):
         out[j] = STATIC

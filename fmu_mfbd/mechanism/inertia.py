@@ -107,7 +107,11 @@ def inertia_forces(
     Eqs. (D1) to (D3) of each body, at the acceleration of its origin in space (Eq. (K14)).
 
     Eq. (D40):  q'' + D q' + omega^2 q      of modes with the inertia of their own motion alone
-    Those of them that deflect the last body carry the motion of its frame, see Eq. (D6).
+    Eq. (D6):   omega^2 q + T^T a + alpha g - w^2 b      of those of them that deflect the last body
+
+    Eq. (D6) is Eq. (D3) without the mode's own motion, and the frame does not feel these modes. It
+    is good for loads far slower than the modes. Its relative error is about the square of both
+    frequencies' ratio.
 
     Parameters
     ----------

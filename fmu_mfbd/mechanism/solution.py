@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable, compiled
+from ...master.fmi.compiled import compilable
 from ..dynamics.carrier import FIXED, Carrier
 from ..dynamics.elimination import LUFactors, factorise, no_factors, substitute
 from ..dynamics.floating_frame import TURN, Arrow, X, Y
@@ -17,14 +17,11 @@ from ..dynamics.generalised_alpha import Motion, Prediction
 from ..dynamics.slider_crank import CrankMotion
 from ..geometry.arrays import Matrix
 from .chain import LEVER, Bodies, Chain, Loads
-from .equations import (
-    ChainForces,
-    chain_derivative,
-    chain_forces,
-    point_of,
-)
+from .derivative import chain_derivative
+from .equations import ChainForces, forces_at, point_of
 from .inertia import InertiaForces, coupling_of, frame_state
-from .motion import ChainMotion, Increments
+from .loads import HeldForces, loads_at
+from .motion import ChainMotion, Increments, chain_motion
 
 PASSES = 80
 """Most evaluations of the residual; three are usual."""
@@ -34,181 +31,6 @@ MOST_PASSES = 40
 
 ROUND_OFF = 4e-15
 """Of a coordinate or a force: some last digits, of the sum of many terms."""
-
-
-class ChainSolution(NamedTuple):
-    """Motion that fulfils the equations of motion, and the forces that go with it.
-
-    Parameters
-    ----------
-    now : Motion
-        Of all m + k coordinates.
-    forces : ChainForces
-    evaluations, tangents : int
-        How often residual (0 if it did not converge) and tangent were computed.
-    change : float
-        Last change of the accelerations in the norm of the inertia; relative if it did not
-        converge.
-    """
-
-    now: Motion
-    forces: ChainForces
-    evaluations: int
-    tangents: int
-    change: float
-
-
-@compiled
-def solve_motion(
-    chain: Chain,
-    loads: Loads,
-    predicted: Prediction,
-    guess: np.ndarray,
-    by: Increments,
-    drive: CrankMotion,
-    given: Carrier,
-) -> ChainSolution:
-    """Solve for the end accelerations that fulfil the equations of motion.
-
-    The error is about 1e-15 of their size, or the round-off of positions.
-
-    Newton's method with the tangent without coupling of modes (Eq. (D4)), which is smaller by
-    2 w c1, about 1e-4: each iteration gains three to four digits with the first tangent.
-    Dry friction that nearly sticks needs more. If the next change would not shrink, a change is
-    halved (natural monotonicity test, [Deuflhard2011] ch. 3). If changes shrink slowly, the tangent
-    is recomputed. In short steps of a calm motion the last digit of a position is worth more
-    acceleration than that, and where forces balance so is the last digit of a force: then these
-    decide.
-
-    Parameters
-    ----------
-    chain, loads, drive, given
-        As for `chain_forces`.
-    predicted : Prediction
-        With accelerations of zero.
-    guess : ndarray, shape (m + k,)
-        Accelerations to start from.
-    by : Increments
-        By end accelerations.
-
-    Returns
-    -------
-    ChainSolution
-    """
-    n = len(guess)
-    a = guess.copy()
-    now = Motion(np.empty(n), np.empty(n), a)
-    _move(now, predicted, by)
-    forces = chain_forces(chain, loads, now, drive, given)
-    slope = chain_derivative(chain, loads, now, forces, by)
-    tangents = 1
-    change = np.zeros(n)
-    size, total, noise, share = 0.0, 0.0, 0.0, 1.0
-    for evaluation in range(1, PASSES):
-        if evaluation > 1:
-            forces = chain_forces(chain, loads, now, drive, given)
-            if evaluation == 2:  # it hardly changes any more
-                noise = ROUND_OFF * _noise(chain, loads, now, forces, slope, by)
-            if size <= 1e-11 * total + noise:
-                return ChainSolution(now, forces, evaluation, tangents, size)
-        fresh = solve_chain(slope.arrow, forces.residual)
-        left = np.sqrt(squared_size(slope.arrow, fresh))
-        if evaluation > 1 and left > (1 - share / 4) * size:
-            share /= 2
-            for k in range(n):
-                a[k] += share * change[k]
-        else:
-            if evaluation > 1 and left > 0.1 * size:
-                slope = chain_derivative(chain, loads, now, forces, by)
-                fresh = solve_chain(slope.arrow, forces.residual)
-                tangents += 1
-            change = fresh
-            share = 1.0
-            for k in range(n):
-                a[k] -= change[k]
-            size = np.sqrt(squared_size(slope.arrow, change))
-            total = np.sqrt(squared_size(slope.arrow, a))
-        _move(now, predicted, by)
-    return ChainSolution(now, forces, 0, tangents, size / total)
-
-
-@compilable
-def _move(now, predicted, by):
-    """Put positions and velocities where the end accelerations take the predicted ones."""
-    for k in range(len(now.acceleration)):
-        now.position[k] = predicted.position[k] + by.position[k] * now.acceleration[k]
-        now.velocity[k] = predicted.velocity[k] + by.velocity[k] * now.acceleration[k]
-
-
-@compilable
-def squared_size(arrow: Arrow, a: np.ndarray) -> float:
-    """Return the square of accelerations in the norm of the tangent's diagonal."""
-    m = len(arrow.top)
-    total = 0.0
-    for j in range(m):
-        total += abs(arrow.top[j, j]) * a[j] ** 2
-    for k in range(len(arrow.diagonal)):
-        total += arrow.diagonal[k] * a[m + k] ** 2
-    return total
-
-
-@compilable
-def _noise(chain, loads, now, forces, slope, by):
-    """Return the size of accelerations if nothing cancelled, in the norm of `squared_size`.
-
-    They are those that change positions by themselves, and those of the terms of all forces. The
-    round-off of accelerations is a share of it.
-    """
-    arrow, d = slope.arrow, slope.motion
-    m, k = len(arrow.top), len(arrow.diagonal)
-    places, rows = np.zeros(m + k), _sizes(chain, loads, forces)
-    of_forces = 0.0
-    for j in range(m):
-        row = 0.0
-        for b in range(len(rows)):
-            for i in range(3):
-                row += abs(d.acceleration[b, i, j]) * rows[b, i]  # Eq. (D61)
-        of_forces += row**2 / abs(arrow.top[j, j])
-    climb = np.abs(forces.inertia.frames)
-    for b in range(len(rows)):
-        f = frame_state(climb, b)
-        for i in range(chain.bodies.first_mode[b], chain.bodies.first_mode[b + 1]):
-            row = abs(loads.modal[i]) + chain.bodies.stiffness[i] * abs(now.position[m + i])
-            row += abs(chain.bodies.T[X, i]) * f.ax + abs(chain.bodies.T[Y, i]) * f.ay
-            of_forces += row**2 / arrow.diagonal[i]
-    for j in range(m + k):
-        if by.position[j] > 0.0:
-            places[j] = now.position[j] / by.position[j]
-    return np.sqrt(squared_size(arrow, places)) + np.sqrt(of_forces)
-
-
-@compilable
-def _sizes(chain, loads, forces):
-    """Return the sums of the sizes of all forces and moments on each body, (n, 3)."""
-    bodies, elements, at = chain.bodies, chain.elements, forces.motion
-    out = np.empty((len(bodies.mass), 3))
-    frames = np.abs(forces.inertia.frames)
-    for b in range(len(out)):
-        f = frame_state(frames, b)
-        climb = f.ax + f.ay
-        push = abs(forces.joints[b, X]) + abs(forces.joints[b, Y])
-        out[b, X] = out[b, Y] = bodies.mass[b] * climb
-        out[b, TURN] = (f.sx + f.sy) * climb + chain.joints.friction[b, LEVER] * push
-    for e in range(len(loads.wrench)):
-        x, y = abs(loads.wrench[e, X]), abs(loads.wrench[e, Y])
-        px, py = point_of(elements, at, e)
-        b, other = elements.acts[e], elements.reacts[e]
-        out[b, X] += x
-        out[b, Y] += y
-        out[b, TURN] += abs(loads.wrench[e, TURN])
-        out[b, TURN] += abs(px - at.position[b, X]) * y + abs(py - at.position[b, Y]) * x
-        if other >= 0:
-            out[other, X] += x
-            out[other, Y] += y
-            out[other, TURN] += abs(loads.wrench[e, 3])
-            out[other, TURN] += abs(px - at.position[other, X]) * y
-            out[other, TURN] += abs(py - at.position[other, Y]) * x
-    return out
 
 
 class ChainFactors(NamedTuple):
@@ -257,6 +79,197 @@ def no_linearisation() -> Linearisation:
     inertia = InertiaForces(table, row, table, row, row, row, FIXED)
     forces = ChainForces(row, 0.0, row, table, motion, inertia)
     return Linearisation(forces, no_chain_factors(), table)
+
+
+class ChainSolution(NamedTuple):
+    """Motion that fulfils the equations of motion, and what goes with it.
+
+    Parameters
+    ----------
+    now : Motion
+        Of all m + k coordinates.
+    loads : Loads
+    linear : Linearisation
+    evaluations, tangents : int
+        How often residual (0 if it did not converge) and tangent were computed.
+    change : float
+        Last change of the unknowns in the norm of the inertia; relative if it did not converge.
+    """
+
+    now: Motion
+    loads: Loads
+    linear: Linearisation
+    evaluations: int
+    tangents: int
+    change: float
+
+
+@compilable
+def solve_motion(
+    chain: Chain,
+    held: HeldForces,
+    predicted: Prediction,
+    guess: np.ndarray,
+    by: Increments,
+    drive: CrankMotion,
+    given: Carrier,
+) -> ChainSolution:
+    """Solve for the unknowns at the end of a step that fulfil the equations of motion.
+
+    The error is about 1e-15 of their size, or the round-off of positions.
+
+    Newton's method with the tangent without coupling of modes (Eq. (D4)), which is smaller by
+    2 w c1, about 1e-4: each iteration gains three to four digits with the first tangent.
+    Dry friction that nearly sticks needs more. If the next change would not shrink, a change is
+    halved (natural monotonicity test, [Deuflhard2011] ch. 3). If changes shrink slowly, the tangent
+    is recomputed. In short steps of a calm motion the last digit of a position is worth more
+    acceleration than that, and where forces balance so is the last digit of a force: then these
+    decide.
+
+    Parameters
+    ----------
+    chain : Chain
+    held : HeldForces
+        Of all elements.
+    predicted : Prediction
+        With unknowns of zero.
+    guess : ndarray, shape (m + k,)
+        Unknowns to start from.
+    by : Increments
+    drive, given
+        As for `chain_forces`.
+
+    Returns
+    -------
+    ChainSolution
+    """
+    n = len(guess)
+    unknown = guess.copy()
+    now = Motion(np.empty(n), np.empty(n), np.empty(n))
+    _move(now, predicted, by, unknown)
+    at = chain_motion(chain.joints, now, drive)
+    loads = loads_at(chain, held, at, now)
+    forces = forces_at(chain, loads, at, now, given)
+    slope = chain_derivative(chain, loads, now, forces, by)
+    factors = factorise_chain(slope.arrow)
+    tangents = 1
+    change = np.zeros(n)
+    size, total, noise, share = 0.0, 0.0, 0.0, 1.0
+    for evaluation in range(1, PASSES):
+        if evaluation > 1:
+            at = chain_motion(chain.joints, now, drive)
+            loads = loads_at(chain, held, at, now)
+            forces = forces_at(chain, loads, at, now, given)
+            if evaluation == 2:  # it hardly changes any more
+                noise = ROUND_OFF * _noise(chain, loads, now, forces, slope, by)
+            if size <= 1e-11 * total + noise:
+                slope = chain_derivative(chain, loads, now, forces, by)
+                linear = Linearisation(forces, factorise_chain(slope.arrow), slope.on_block)
+                return ChainSolution(now, loads, linear, evaluation, tangents + 1, size)
+        fresh = substitute_chain(factors, forces.residual)
+        left = np.sqrt(squared_size(slope.arrow, fresh))
+        if evaluation > 1 and left > (1 - share / 4) * size:
+            share /= 2
+            for k in range(n):
+                unknown[k] += share * change[k]
+        else:
+            if evaluation > 1 and left > 0.1 * size:
+                slope = chain_derivative(chain, loads, now, forces, by)
+                factors = factorise_chain(slope.arrow)
+                fresh = substitute_chain(factors, forces.residual)
+                tangents += 1
+            change = fresh
+            share = 1.0
+            for k in range(n):
+                unknown[k] -= change[k]
+            size = np.sqrt(squared_size(slope.arrow, change))
+            total = np.sqrt(squared_size(slope.arrow, unknown))
+        _move(now, predicted, by, unknown)
+    linear = Linearisation(forces, factors, slope.on_block)
+    return ChainSolution(now, loads, linear, 0, tangents, size / total)
+
+
+@compilable
+def _move(now, predicted, by, unknown):
+    """Put a motion where the unknowns take the predicted one."""
+    for k in range(len(unknown)):
+        now.position[k] = predicted.position[k] + by.position[k] * unknown[k]
+        now.velocity[k] = predicted.velocity[k] + by.velocity[k] * unknown[k]
+        now.acceleration[k] = by.acceleration[k] * unknown[k]
+
+
+@compilable
+def squared_size(arrow: Arrow, a: np.ndarray) -> float:
+    """Return the square of accelerations in the norm of the tangent's diagonal."""
+    m = len(arrow.top)
+    total = 0.0
+    for j in range(m):
+        total += abs(arrow.top[j, j]) * a[j] ** 2
+    for k in range(len(arrow.diagonal)):
+        total += arrow.diagonal[k] * a[m + k] ** 2
+    return total
+
+
+@compilable
+def _noise(chain, loads, now, forces, slope, by):
+    """Return the size of accelerations if nothing cancelled, in the norm of `squared_size`.
+
+    They are those that change positions by themselves, and those of the terms of all forces. The
+    round-off of accelerations is a share of it.
+    """
+    arrow, d = slope.arrow, slope.motion
+    m, k = len(arrow.top), len(arrow.diagonal)
+    places, rows = np.zeros(m + k), _sizes(chain, loads, forces)
+    of_forces = 0.0
+    for j in range(m):
+        row = 0.0
+        for b in range(len(rows)):
+            for i in range(3):
+                row += abs(d.acceleration[b, i, j]) * rows[b, i]  # Eq. (D61)
+        of_forces += row**2 / abs(arrow.top[j, j])
+    climb = np.abs(forces.inertia.frames)
+    for b in range(len(rows)):
+        f = frame_state(climb, b)
+        for i in range(chain.bodies.first_mode[b], chain.bodies.first_mode[b + 1]):
+            row = abs(loads.modal[i]) + chain.bodies.stiffness[i] * abs(now.position[m + i])
+            row += abs(chain.bodies.T[X, i]) * f.ax + abs(chain.bodies.T[Y, i]) * f.ay
+            of_forces += row**2 / arrow.diagonal[i]
+    for i in range(chain.bodies.first_mode[-1], k):
+        row = abs(loads.modal[i]) + chain.bodies.stiffness[i] * abs(now.position[m + i])
+        of_forces += row**2 / arrow.diagonal[i]
+    for j in range(m + k):
+        if by.position[j] > 0.0:
+            places[j] = now.position[j] / by.position[j]
+    return np.sqrt(squared_size(arrow, places)) + np.sqrt(of_forces)
+
+
+@compilable
+def _sizes(chain, loads, forces):
+    """Return the sums of the sizes of all forces and moments on each body, (n, 3)."""
+    bodies, elements, at = chain.bodies, chain.elements, forces.motion
+    out = np.empty((len(bodies.mass), 3))
+    frames = np.abs(forces.inertia.frames)
+    for b in range(len(out)):
+        f = frame_state(frames, b)
+        climb = f.ax + f.ay
+        push = abs(forces.joints[b, X]) + abs(forces.joints[b, Y])
+        out[b, X] = out[b, Y] = bodies.mass[b] * climb
+        out[b, TURN] = (f.sx + f.sy) * climb + chain.joints.friction[b, LEVER] * push
+    for e in range(len(loads.wrench)):
+        x, y = abs(loads.wrench[e, X]), abs(loads.wrench[e, Y])
+        px, py = point_of(elements, at, e)
+        b, other = elements.acts[e], elements.reacts[e]
+        out[b, X] += x
+        out[b, Y] += y
+        out[b, TURN] += abs(loads.wrench[e, TURN])
+        out[b, TURN] += abs(px - at.position[b, X]) * y + abs(py - at.position[b, Y]) * x
+        if other >= 0:
+            out[other, X] += x
+            out[other, Y] += y
+            out[other, TURN] += abs(loads.wrench[e, 3])
+            out[other, TURN] += abs(px - at.position[other, X]) * y
+            out[other, TURN] += abs(py - at.position[other, Y]) * x
+    return out
 
 
 @compilable

@@ -16,7 +16,8 @@ import numpy as np
 from numba import njit
 
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
-from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces, chain_tangent
+from piston_cosim.fmu_mfbd.mechanism.derivative import chain_tangent
+from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
 from piston_cosim.fmu_mfbd.mechanism.solution import solve_chain
 from piston_cosim.tests.mfbd.chains import CRANK, engine, flexible, tied
 from piston_cosim.tests.mfbd.test_mechanism import (

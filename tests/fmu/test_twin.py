@@ -10,9 +10,9 @@ import pytest
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
-from piston_cosim.fmu_mfbd.mechanism.tied_pin import tied_forces, tied_pin
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.tests.verification.cases.bodies import rigid_body
+from piston_cosim.tests.verification.cases.tied import tied_forces, tied_pin
 
 from .engines import ENGINES, PATH, alone, engine_tree, held, in_line
 from .runs import module_of, run_tree

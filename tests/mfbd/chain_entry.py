@@ -12,7 +12,8 @@ from piston_cosim.fmu_mfbd.dynamics.carrier import Carrier
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.mechanism.chain import Chain, Loads
-from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces, chain_tangent
+from piston_cosim.fmu_mfbd.mechanism.derivative import chain_tangent
+from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments
 from piston_cosim.fmu_mfbd.mechanism.solution import solve_chain
 from piston_cosim.master.fmi.block import flatten

@@ -18,8 +18,8 @@ from piston_cosim.fmu_mfbd.mechanism.chain import (
     chain_of,
 )
 from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE
-from piston_cosim.fmu_mfbd.mechanism.tied_pin import GAS as ON_BORE
-from piston_cosim.fmu_mfbd.mechanism.tied_pin import PISTON, SKIRT, tied_pin
+from piston_cosim.tests.verification.cases.tied import GAS as ON_BORE
+from piston_cosim.tests.verification.cases.tied import PISTON, SKIRT, tied_pin
 
 MECHANISM = Mechanism(0.072, 0.223, 1.2e-3, 1.7, 0.017, 72 / 223, 0.5)
 SPIN_INERTIA = 2e-4

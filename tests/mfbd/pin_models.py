@@ -12,7 +12,7 @@ from piston_cosim.fmu_mfbd.dynamics.assembly import (
     OwnParameters,
     ReducedBodies,
     assemble,
-    assemble_floating,
+    assemble_films,
 )
 from piston_cosim.fmu_mfbd.dynamics.build_options import (
     BlockOptions,
@@ -100,7 +100,7 @@ def tied_model():
 
 def floating_model(parameters=PARAMETERS, **pin):
     own = OwnParameters(PinParameters(**pin))
-    return assemble_floating(bodies(), options(True), parameters, own)
+    return assemble_films(bodies(), options(True), parameters, own)
 
 
 MODES = 3
@@ -167,12 +167,12 @@ def block_model(young=1.0, parameters=PARAMETERS):
     """Return a model of a rigid piston and a floating pin in a flexible block."""
     reduced = bodies()._replace(block=flexible_block(young))
     parameters = dataclasses.replace(parameters, **RINGS)
-    return assemble_floating(reduced, options(True), parameters, OwnParameters(PinParameters()))
+    return assemble_films(reduced, options(True), parameters, OwnParameters(PinParameters()))
 
 
 def yielding_model(young=1.0, parameters=PARAMETERS):
     own = OwnParameters(PinParameters())
-    return assemble_floating(yielding_bodies(young), options(True), parameters, own)
+    return assemble_films(yielding_bodies(young), options(True), parameters, own)
 
 
 # ---- a pin that tilts and bends
@@ -192,14 +192,14 @@ def bending_options(shapes):
 
 def bending_model(shapes=4, parameters=PARAMETERS, **axis):
     own = OwnParameters(PinParameters(), dataclasses.replace(AXIS, **axis))
-    return assemble_floating(bodies(), bending_options(shapes), parameters, own)
+    return assemble_films(bodies(), bending_options(shapes), parameters, own)
 
 
 def bending_in_bosses(parameters=PARAMETERS, **shells):
     """Return a model of a bending pin in elastic bosses."""
     own = OwnParameters(PinParameters(), AXIS)
     yielding = yielding_bodies()._replace(shells=shells)
-    return assemble_floating(yielding, bending_options(3), parameters, own)
+    return assemble_films(yielding, bending_options(3), parameters, own)
 
 
 # ---- an eye that yields
@@ -221,7 +221,7 @@ def small_end(young=1.0, grid=PIN_GRID, radius=18e-3):
 def eye_model(young=1.0, parameters=PARAMETERS):
     """Return a model of a rigid piston and pin with an elastic eye."""
     yielding = bodies()._replace(shells={"small_end": small_end(young)})
-    return assemble_floating(yielding, options(True), parameters, OwnParameters(PinParameters()))
+    return assemble_films(yielding, options(True), parameters, OwnParameters(PinParameters()))
 
 
 def all_that_yields(parameters=PARAMETERS):
@@ -261,7 +261,7 @@ def crank_model(names=SETS[-1], yielding=False, young=1.0, shapes=0, **changes):
         reduced = reduced._replace(block=flexible_block())
         bent = dataclasses.replace(built.floating_pin, pin_shapes=shapes)
         built = dataclasses.replace(built, floating_pin=bent)
-    return assemble_floating(reduced, built, parameters, own)
+    return assemble_films(reduced, built, parameters, own)
 
 
 MODELS = {

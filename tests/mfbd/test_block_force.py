@@ -5,18 +5,20 @@ positions and velocities only.
 """
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.dynamics.instant import of_skirt
 from piston_cosim.fmu_mfbd.dynamics.motion_in_space import block_force, imbalance, tangent
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
-from piston_cosim.fmu_mfbd.dynamics.pin_instant import of_skirt
 from piston_cosim.fmu_mfbd.dynamics.pin_shells import play_at, shapes_of
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import turned
 from piston_cosim.fmu_mfbd.mechanism.cylinder import BODY, EYE
+from piston_cosim.fmu_mfbd.mechanism.inertia import coupling_of
 
 from .pin_models import (
     MAIN,
@@ -38,13 +40,29 @@ def cross(a, b):
     return a[0] * b[1] - a[1] * b[0]
 
 
+def piston_of_tables(chain):
+    """Return the inertia integrals of the piston, the last body."""
+    bodies = chain.bodies
+    B, G = np.split(coupling_of(bodies, len(bodies.mass) - 1), 2)
+    return SimpleNamespace(
+        mass=bodies.mass[-1],
+        S=bodies.S[-1],
+        I0=bodies.I0[-1],
+        T=bodies.T,
+        b=bodies.b,
+        B=B,
+        g=bodies.g,
+        G=G,
+    )
+
+
 def all_momentum(model, position, velocity, crank):
     """Return the momentum (2,) of everything that moves, and its angular momentum.
 
     The angular momentum is about the crank axis, without the crank's own rotation. Velocities are
     differences of positions. Modes of eye, big end and main bearing have no momentum (Eq. (D40)).
     """
-    p, piston, chain = PARAMETERS, model.system.piston, model.chain
+    p, piston, chain = PARAMETERS, piston_of_tables(model.chain), model.chain
     in_big_end, in_main = chain.joints.play[BODY.rod], chain.joints.play[BODY.crank]
 
     def at(t):
@@ -56,7 +74,7 @@ def all_momentum(model, position, velocity, crank):
     A_v, pin_v, rod_v, journal_v, u_v = derivative(lambda t: at(t)[0], 0.0, 1e-4)
     rod_turn = derivative(lambda t: at(t)[1], 0.0, 1e-4)
     w, axes = velocity[1], turned(position[1])
-    parts, modes = model.model.parts, slice(2, 2 + len(piston.stiffness))
+    parts, modes = model.model.parts, slice(2, 2 + len(piston.g))
     q, dq = of_skirt(parts, position)[modes], of_skirt(parts, velocity)[modes]
     s = axes @ (piston.S + piston.T @ q)
     s_v = w * np.array([-s[1], s[0]]) + axes @ piston.T @ dq

@@ -31,7 +31,7 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     turned,
     yielded,
 )
-from piston_cosim.fmu_mfbd.mechanism.cylinder import BODY, COORDINATES, PIN
+from piston_cosim.fmu_mfbd.mechanism.cylinder import COORDINATES, PIN, piston_of
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
 from piston_cosim.fmu_mfbd.mechanism.inertia import frame_state
 from piston_cosim.fmu_mfbd.mechanism.loads import no_loads
@@ -165,7 +165,7 @@ def test_modes_of_a_standing_engine_yield_by_their_springs():
     ]
     last = model._last
     moved = chain_forces(model.chain, no_loads(model.chain), last.now, last.crank, FIXED)
-    frame = frame_state(moved.inertia.frames, BODY.piston)
+    frame = frame_state(moved.inertia.frames, piston_of(model.chain))
     force = np.pi * 55e-3**2 * 5e5 * piston.gas_force + pushes[0] + pushes[1]
     force = force - inputs.pressure_force.ravel() @ piston.radial
     force = force + inputs.friction_force.ravel() @ piston.axial

@@ -7,16 +7,11 @@ import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.quasi_static import standing
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.mechanism.chain import Element, Link, chain_of
 from piston_cosim.fmu_mfbd.mechanism.cylinder import CylinderParts, cylinder_chain
-from piston_cosim.fmu_mfbd.mechanism.equations import (
-    block_motion,
-    chain_forces,
-    chain_tangent,
-    forces_at,
-)
+from piston_cosim.fmu_mfbd.mechanism.derivative import chain_tangent
+from piston_cosim.fmu_mfbd.mechanism.equations import block_motion, chain_forces, forces_at
 from piston_cosim.fmu_mfbd.mechanism.loads import HeldForces, loads_at, no_loads
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
 from piston_cosim.fmu_mfbd.mechanism.solution import (
@@ -28,6 +23,7 @@ from piston_cosim.fmu_mfbd.mechanism.solution import (
 )
 from piston_cosim.master.fmi.block import row_of
 from piston_cosim.master.fmi.native_code import RAW
+from piston_cosim.tests.verification.cases.tied import NO_STATIC
 
 from ..command import script
 from . import chain_entry
@@ -127,29 +123,28 @@ def test_a_tied_pin_is_the_chain_of_its_links(carrier):
             assert_close(row, known)
 
 
-@pytest.mark.parametrize("films", [True, False])
 @pytest.mark.parametrize("modes", [0, 8])
-def test_a_cylinder_is_the_chain_by_names(modes, films):
-    """All tables of a cylinder that is built from numbers, with and without films."""
+def test_a_cylinder_is_the_chain_by_names(modes):
+    """All tables of a cylinder that is built from numbers, with films on all bearings."""
     piston = flexible(modes)
-    by_name = engine([piston], films, films, yields=films).chain
+    by_name = engine([piston], True, True, yields=True).chain
     own = cylinder_chain(
         CylinderParts(
             piston=piston,
-            static=standing(np.zeros(0)),
+            static=NO_STATIC,
             mechanism=MECHANISM,
             spin_inertia=SPIN_INERTIA,
             crank_mass=CRANK_MASS,
-            unbalance=UNBALANCE * films,
-            floats=films,
-            big_end=films,
-            main_bearing=films,
-            springs=springs((2 * SHAPES + 3 * SHELL_MODES) * films),
+            unbalance=UNBALANCE,
+            floats=True,
+            big_end=True,
+            main_bearing=True,
+            springs=springs(2 * SHAPES + 3 * SHELL_MODES),
             block_modes=0,
             block_static=0,
-            shapes=SHAPES * films,
-            big_end_modes=SHELL_MODES * films,
-            main_bearing_modes=SHELL_MODES * films,
+            shapes=SHAPES,
+            big_end_modes=SHELL_MODES,
+            main_bearing_modes=SHELL_MODES,
         )
     )
     for one, other in zip(own[:3], by_name[:3]):

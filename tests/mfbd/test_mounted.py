@@ -16,12 +16,14 @@ from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Prediction
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
+from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
+from piston_cosim.fmu_mfbd.mechanism.cylinder import BODY
 from piston_cosim.fmu_mfbd.mechanism.solution import solve_motion
-from piston_cosim.fmu_mfbd.mechanism.tied_pin import CRANK, loads_of, tied_forces, tied_pin
 from piston_cosim.tests.verification.cases.bodies import rigid_body
+from piston_cosim.tests.verification.cases.tied import tied_forces, tied_pin
 
 from .differences import lagrange, products_by_differences
 from .test_floating_frame import SKEW, reach
@@ -93,7 +95,9 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
     load = Load(700.0, -2000.0, 5.0, 1800.0, np.zeros(0), MOVING)
     still = Prediction(z, r, np.zeros(2))
     chain, instantly = tied_pin(body, SKEW, UNBALANCE), reach(2, 0.0, 0.0)
-    now = solve_motion(chain, loads_of(load), still, np.zeros(2), instantly, crank, MOVING).now
+    now = solve_motion(
+        chain, forces_of(chain, load), still, np.zeros(2), instantly, crank, MOVING
+    ).now
     a = now.acceleration
     place = np.array([*z, phi, 0.0, 0.0, 0.0])
     velocity = np.array([*r, w, 0.0, 0.0, MOVING.w])
@@ -115,7 +119,7 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
     np.testing.assert_allclose(loaded.on_block, on_block, atol=1e-9 * size)
     # the main bearings carry the crank
     *_, x, y = block_force(load, loaded.on_block)
-    np.testing.assert_allclose([x, y], -loaded.joints[CRANK, :2], atol=1e-9 * size)
+    np.testing.assert_allclose([x, y], -loaded.joints[BODY.crank, :2], atol=1e-9 * size)
 
 
 def skewed(reduced, mounted):

@@ -21,8 +21,8 @@ from piston_cosim.fmu_mfbd.geometry.film import (
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field
 from piston_cosim.fmu_mfbd.geometry.profile import barrel, ovality
-from piston_cosim.fmu_mfbd.mechanism.tied_pin import tied_forces, tied_pin
 from piston_cosim.tests.verification.cases.bodies import rigid_body
+from piston_cosim.tests.verification.cases.tied import tied_forces, tied_pin
 
 pytestmark = pytest.mark.slow  # random inputs
 small = st.floats(-1e-4, 1e-4)

@@ -44,7 +44,6 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
-from piston_cosim.fmu_mfbd.mechanism.tied_pin import PISTON, tied_forces, tied_pin
 from piston_cosim.fmu_mfbd.reduction.bases import (
     Elastic,
     characteristic_constraint_modes,
@@ -70,6 +69,7 @@ from piston_cosim.models import MODELS
 
 from .checks import at_most, bounded, compared
 from .exudyn import CrankedPiston, Drive, FullPiston, exudyn_motion, own_motion
+from .tied import PISTON, tied_forces, tied_pin
 
 CLOSED_FORM, OTHER_CODE = "closed form", "independent code"
 STEEL = dict(young=210e9, poisson=0.3)

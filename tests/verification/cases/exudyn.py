@@ -18,6 +18,7 @@ from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import (
     coefficients,
     predict,
 )
+from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     CrankMotion,
@@ -28,7 +29,8 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
 )
 from piston_cosim.fmu_mfbd.mechanism.motion import increments_of
 from piston_cosim.fmu_mfbd.mechanism.solution import solve_motion
-from piston_cosim.fmu_mfbd.mechanism.tied_pin import loads_of, tied_pin
+
+from .tied import tied_pin
 
 
 class Drive(NamedTuple):
@@ -164,7 +166,7 @@ def _end_of_step(piston, time, c: Coefficients, predicted: Prediction, guess) ->
             guided=0.0,  # in Exudyn the force stays on A
             modal=F * piston.gas_shape,
         )
-        now = solve_motion(chain, loads_of(load), predicted, a, by, crank, FIXED).now
+        now = solve_motion(chain, forces_of(chain, load), predicted, a, by, crank, FIXED).now
         a = now.acceleration
     return now
 
