@@ -55,6 +55,8 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
     remarks: list[str] = []
     if not film.roughness_rms:
         remarks.append("roughness_rms = 0 \N{MICRO SIGN}m: smooth surfaces, which never touch")
+    if "oil_temperature" in built.inputs and film.oil.viscosity_law == "constant":
+        remarks.append("viscosity_law = 'constant': the oil temperature has no effect")
     found = faults(film) if taken == parameters else []
     warnings = _without_effect(parameters, film.oil, options.get("oil"))
     warnings += [

@@ -28,6 +28,7 @@ from .dynamics.contradictions import pin_radius
 from .dynamics.model_faults import faults
 from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters
 from .dynamics.pin_axis import pin_beam
+from .dynamics.thermal_growth import Radii
 from .finite_elements.connections import aspect_ratios
 from .finite_elements.element import mass_properties, rigid_mass
 from .finite_elements.mesh import MeshFault
@@ -42,6 +43,12 @@ from .preview_remarks import (
     messages_on_gas,
     messages_on_profiles,
     narrowest,
+)
+from .preview_temperatures import (
+    figures_of_walls,
+    messages_on_shapes,
+    messages_on_walls,
+    warm_walls,
 )
 from .reduction.bosses import boss_readings
 from .reduction.geometry import block_faults, cylinder_faults, pin_bore, piston_faults
@@ -126,8 +133,12 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     if tables.gas:
         figures.append(Figure("gas", "highest_gas_pressure", tables.gas.pressure.max(), "Pa"))
         messages += messages_on_gas(tables.gas)
-    shapes = _shapes(prepared, piston, block, chosen)
+    shapes = _shapes(prepared, piston, block, chosen, given)
     figures += _of_film(build, shapes)
+    if walls := shapes.walls:
+        figures += figures_of_walls(walls, shapes.pin_height, shapes.height, shapes.bore_height)
+        messages += messages_on_walls(prepared, chosen, given, walls)
+    messages += messages_on_shapes(build, shapes.walls is not None)
     messages += messages_on_profiles(build, tables, piston, block)
     messages += messages_on_fit(build, piston, block, chosen, shapes)
     remarks: list[str] = []
@@ -381,7 +392,11 @@ def stroke_of(pin_offset: float, chosen: Parameters) -> tuple[float, float]:
 
 
 def _shapes(
-    prepared: BuildOptions, piston: BodyPreview, block: BodyPreview, chosen: Parameters
+    prepared: BuildOptions,
+    piston: BodyPreview,
+    block: BodyPreview,
+    chosen: Parameters,
+    given: dict[str, Any],
 ) -> Shapes:
     """Return skirt and bore, cold and hot, on the film grid and along the bore."""
     body = piston.body
@@ -389,16 +404,21 @@ def _shapes(
     cold = replace(chosen, **dict.fromkeys(COLD, 0.0))
     heights = block.body.heights
     straight = np.zeros((len(angle), len(heights)))
+    grid, ends = (angle, height, heights), (body.skirt_lower, body.skirt_upper)
+    radii = Radii(body.radius, block.body.radius)
+    walls = warm_walls(prepared, chosen, given, grid, ends, radii)
+    skirt_growth, bore_growth = (walls.skirt_growth, walls.bore_growth) if walls else (0.0, 0.0)
     return Shapes(
         angle=angle,
         height=height,
         film=_with_a_film(prepared, piston),
         skirt_cold=skirt_gap(body, angle, height, prepared.piston, cold),
-        skirt_hot=skirt_gap(body, angle, height, prepared.piston, chosen),
+        skirt_hot=skirt_gap(body, angle, height, prepared.piston, chosen) - skirt_growth,
         bore_height=heights,
         bore_cold=bore_shape(heights, angle, prepared.block, cold) + straight,
-        bore_hot=bore_shape(heights, angle, prepared.block, chosen) + straight,
+        bore_hot=bore_shape(heights, angle, prepared.block, chosen) + straight + bore_growth,
         pin_height=np.linspace(*stroke_of(prepared.piston.pin_offset, chosen), HEIGHTS),
+        walls=walls,
     )
 
 

@@ -8,8 +8,12 @@ from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from .preview_temperatures import WarmWalls
+
 UM = 1e6
 MM = 1e3
+CELSIUS = 1.0, "\N{DEGREE SIGN}C"
+"""Factor and unit of a temperature in a picture."""
 BELOW = (0.5, -0.2)
 """Position of a legend below its panel, where it covers no curve."""
 SIDES = {"thrust": 90.0, "anti-thrust": 270.0, "pin": 0.0}
@@ -36,6 +40,8 @@ class Shapes(NamedTuple):
         Widening of the bore [m].
     pin_height : ndarray, shape (p,)
         Heights of the pin above the crank axis along the stroke [m].
+    walls : WarmWalls, optional
+        Temperatures of both surfaces.
     """
 
     angle: np.ndarray
@@ -47,6 +53,7 @@ class Shapes(NamedTuple):
     bore_cold: np.ndarray
     bore_hot: np.ndarray
     pin_height: np.ndarray
+    walls: WarmWalls | None = None
 
     def clearance(self, hot: bool) -> np.ndarray:
         """Return the smallest clearance of each cell over the stroke [m], shape (c, a).
@@ -68,10 +75,11 @@ def draw_shapes(shapes: Shapes, path: Path | str) -> None:
     Sections are at three heights and on three sides. The suffix of the path is the type of the
     picture.
     """
-    figure = Figure(figsize=(12, 8))
+    rows = 3 if shapes.walls else 2
+    figure = Figure(figsize=(12, 4 * rows))
     FigureCanvasAgg(figure)  # a file only, without pyplot, which is slow to import
-    (developed, bore), (around, along) = figure.subplots(2, 2)
-    figure.subplots_adjust(0.06, 0.14, 0.98, 0.95, wspace=0.2, hspace=0.35)
+    (developed, bore), *warm, (around, along) = figure.subplots(rows, 2)
+    figure.subplots_adjust(0.06, 0.28 / rows, 0.98, 0.97, wspace=0.2, hspace=0.35)
     gap = np.ma.masked_where(~shapes.film, shapes.clearance(hot=True))
     draw_developed(figure, developed, shapes.angle, shapes.height, gap)
     developed.set(
@@ -84,14 +92,34 @@ def draw_shapes(shapes: Shapes, path: Path | str) -> None:
     else:
         bore.set(title="the hot bore is a cylinder")
         bore.set_axis_off()
+    for panels in warm:
+        _temperatures(figure, panels, shapes)
     _around(around, shapes)
     _along(along, shapes)
     figure.savefig(path, dpi=110 if Path(path).suffix == ".png" else 72)
 
 
-def draw_developed(figure, panel, angle, height, values):
-    """Draw a developed surface in um with contours; the first cell follows the last."""
-    values = UM * values[np.r_[: len(values), 0]].T
+def _temperatures(figure, panels, shapes):
+    """Draw the temperatures of skirt and bore."""
+    angle, walls = shapes.angle, shapes.walls
+    skirt = np.ma.masked_where(~shapes.film, walls.skirt - 273.15)
+    sides = (
+        ("skirt", "pin", shapes.height, skirt),
+        ("bore", "crank axis", shapes.bore_height, walls.bore - 273.15),
+    )
+    for panel, (name, origin, height, field) in zip(panels, sides):
+        draw_developed(figure, panel, angle, height, field, CELSIUS)
+        title = f"temperature of the {name} at the start"
+        panel.set(title=title, ylabel=f"height above the {origin} [mm]")
+
+
+def draw_developed(figure, panel, angle, height, values, scale=(UM, "\N{MICRO SIGN}m")):
+    """Draw a developed surface with contours; the first cell follows the last.
+
+    `scale` is a factor and the unit of its product.
+    """
+    factor, unit = scale
+    values = factor * values[np.r_[: len(values), 0]].T
     degrees = np.degrees(angle[0]) + 360.0 / len(angle) * np.arange(len(angle) + 1)
     half = 180.0 / len(angle)
     step = (height[1] - height[0]) / 2
@@ -108,7 +136,7 @@ def draw_developed(figure, panel, angle, height, values):
     if values.min() < values.max():
         lines = panel.contour(degrees, MM * height, values, 6, colors="white", linewidths=0.5)
         panel.clabel(lines, fontsize=6, fmt="%.3g")
-    figure.colorbar(image, ax=panel, label="\N{MICRO SIGN}m")
+    figure.colorbar(image, ax=panel, label=unit)
     mark_angles(panel)
 
 

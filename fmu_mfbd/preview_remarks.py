@@ -103,7 +103,7 @@ def messages_on_fit(
         out.append(Message("warning", text))
     flexible = bool(build.piston.modes) and not build.piston.rigid
     out += _interference(shapes, block.body.radius, flexible)
-    if not any(getattr(chosen, name) for name in COLD):
+    if not any(getattr(chosen, name) for name in COLD) and shapes.walls is None:
         text = f"thermal growth not set ({', '.join(COLD)}): hot clearance equals cold clearance"
         out.append(Message("remark", text))
     if build.piston.profiles and (chosen.barrel or chosen.ovality):

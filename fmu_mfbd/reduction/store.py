@@ -110,7 +110,7 @@ def _decided(
     options: Piston | Block, grid: Grid, training: Training | None, bosses: ShellFilm | None
 ) -> dict[str, Any]:
     """Return what determines a reduced body besides the code."""
-    later = {"profiles", "orders", "reduced", "train_on", "pin_offset"}
+    later = {"profiles", "orders", "reduced", "train_on", "pin_offset", "shape"}
     if not options.modes:
         later |= IF_FLEXIBLE
     slides = isinstance(options, Piston) and options.tie in (None, "sliding")

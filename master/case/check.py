@@ -12,6 +12,7 @@ from ..fmi.tree import import_part
 from .ahead import Ahead, ahead, faults_ahead, run_ahead
 from .checked import check_case
 from .contract import given_by_others
+from .optional_wires import overrides
 from .reading import find_case, read_tree
 from .schema import Case
 from .symmetry import groups
@@ -107,6 +108,7 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
     # without its value, figures and messages would be those of a default
     previews = {name: one for name, one in previews.items() if not _refused(case, name, declared)}
     warnings = [f"{owner}: {line}" for owner, one in previews.items() for line in one.warnings]
+    warnings += _contradictions(case, declared, previews)
     warnings += _warnings_on_steps(case, folder)
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
     remarks += [
@@ -191,6 +193,30 @@ def _refused(case: Case, name: str, declared: Ahead) -> list[str]:
     """Return the rejected parameters of a participant, which are already in the faults."""
     known, taken = declared.participants[name].fields, declared.parameters[name]
     return [key for key in case.participants[name].parameters if key in known and key not in taken]
+
+
+def _contradictions(case: Case, declared: Ahead, previews: dict[str, Preview]) -> list[str]:
+    """Return warnings on inputs of films that the case gives twice, with their difference.
+
+    The contract lists them. The value of the film applies.
+    """
+    found = []
+    for film, body, variable, source, is_offered, figures in overrides(case):
+        where = f"participants.{film}"
+        if source:
+            if is_offered:
+                found.append(f"{where}.{variable}: {source} replaces that of the walls of {body}")
+            continue
+        for key, figure in figures.items():
+            measured = previews.get(body, Preview()).figure(figure)
+            given = declared.parameters.get(film, {}).get(key)
+            if measured is not None and given is not None:
+                unit = measured.unit
+                found.append(
+                    f"{where}.parameters.{key} = {short(given, unit, 4)}: the walls of {body} give "
+                    f"{short(measured.value, unit, 4)}, {given - measured.value:+.3g} {unit}"
+                )
+    return found
 
 
 def _disagreements(case: Case, declared: Ahead, previews: dict[str, Preview]) -> list[str]:

@@ -10,12 +10,13 @@ from pydantic import ValidationError
 from ..fmi.errors import BadInput
 from ..fmi.option_classes import is_key, sentences, without_flags
 from .ahead import faults_ahead
+from .optional_wires import with_optional_wires
 from .schema import Case
 
 
 def check_case(tree: dict[str, Any], path: Path) -> Case:
     """Return the `Case` of a TOML tree; raise `BadInput` with every fault and its path."""
-    tree = without_flags(tree, Case)
+    tree = with_optional_wires(without_flags(tree, Case))
     try:
         return Case.model_validate(tree)
     except ValidationError as error:

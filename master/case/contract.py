@@ -59,6 +59,7 @@ class Role:
     envelopes: dict[str, str] = field(default_factory=dict)
     around: dict[str, str] = field(default_factory=dict)
     wires: dict[str, dict[str, Any]] = field(default_factory=dict)
+    optional_wires: dict[str, dict[str, Any]] = field(default_factory=dict)
 
 
 @cache

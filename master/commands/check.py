@@ -68,7 +68,7 @@ def _figure_text(figure: Figure) -> str:
 
 
 def _value_text(figure: Figure) -> str:
-    """Return its value as text: lengths in mm or um, shares in percent, volumes in cm^3."""
+    """Return its value as text: in mm or um, cm^3, degC, or percent for a share."""
     if figure.unit == "m":
         size = abs(figure.value)
         return (
@@ -80,6 +80,8 @@ def _value_text(figure: Figure) -> str:
         return f"{1e6 * figure.value:.5g} cm^3"
     if figure.unit == "kg.m2":
         return f"{1e6 * figure.value:.4g} kg mm^2"
+    if figure.unit == "K":
+        return f"{figure.value - 273.15:.4g} degC"
     if "share" in figure.name:
         return f"{figure.value:.1%}"
     if figure.unit == "1":
