@@ -301,6 +301,10 @@ class Common(BuildTable):
     """
     motion_in_space: MotionInSpace | None = None
     """Motion of the piston along its tied pin, with roll and yaw. Both bodies are rigid."""
+    temperatures: Temperatures | None = None
+    """Temperatures of skirt and bore, from which the oil temperature of the films and the growth of
+    both walls follow. Default: the inputs piston_temperature and bore_temperature.
+    """
     mounted: Flag = False
     """The block moves on mounts. Another participant provides block_acceleration_x and other
     inputs, and receives force_on_block_x and other outputs.
@@ -388,10 +392,6 @@ class Build(Common):
     block: Block
     """Options of the block. The mesh origin is on the bore axis at the height of the crank axis.
     Surfaces: bore, bolts.
-    """
-    temperatures: Temperatures | None = None
-    """Temperatures of skirt and bore, from which the oil temperature of the films and the growth of
-    both walls follow. Default: the inputs piston_temperature and bore_temperature.
     """
 
     @model_validator(mode="after")
