@@ -13,9 +13,9 @@ import numpy as np
 from ..master.fmi.errors import BadInput, Discard, collecting, unknown
 from ..master.fmi.variables import Variable
 from . import journal
-from .balance.grid import Array, Flags
+from .common.faults import NotConverged
+from .common.grid import Array, Flags
 from .contradictions import FULL_TURN
-from .laws.cavitation import NotConverged
 from .model import LubricationModel
 from .parameters import SURFACES, faults, parameters_of
 from .state import Memory

@@ -15,7 +15,7 @@ from ..master.fmi.separated import read_rows
 from ..master.fmi.symmetry import Symmetry, odd_part
 from ..master.fmi.variables import Variable
 from ..models import MODELS
-from .oil import Oil, vogel_constants
+from .laws.oil import Oil, vogel_constants
 from .options import BuildOptions
 from .parameters import CHOICES, has_image
 from .variables import CONDITION_VARIABLES, OIL_VARIABLES, variables

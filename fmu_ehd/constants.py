@@ -11,8 +11,9 @@ from . import step_parts as parts
 from .balance import oil_layer, openings
 from .balance.film_step import Domain
 from .balance.flow_film import FilmLaws
-from .balance.grid import Array, Cells, Field, Flags, images, keep
 from .balance.oil_layer import Bore
+from .common.faults import refuse
+from .common.grid import Array, Cells, Field, Flags, images, keep
 from .contradictions import (
     FROM_BORE_AND_RING,
     FROM_EDGES,
@@ -20,10 +21,9 @@ from .contradictions import (
     PATIR_CHENG_1978,
     cavitation_of,
 )
-from .faults import refuse
 from .laws import cavitation, coating, friction, roughness
 from .laws.asperity import CONTACT_LAWS, contact_constants, contact_table
-from .oil import thinning_law
+from .laws.oil import thinning_law
 from .summary import Halves, halves
 
 # entrainment velocity in the frame of the grid, which rides on the skirt or rests on the shell of a

@@ -13,7 +13,8 @@ import numpy as np
 
 from ..master.fmi.compiled import compilable
 from ..master.fmi.symmetry import THRUST_PLANE
-from .balance.grid import (
+from .common.faults import FAULT, refuse
+from .common.grid import (
     FIRST,
     LAST,
     LOWER,
@@ -25,11 +26,10 @@ from .balance.grid import (
     Flags,
     in_plenty,
 )
-from .faults import FAULT, refuse
 from .laws.cavitation import CAVITATION, Cavitation
+from .laws.oil import VISCOSITY_LAWS
 from .laws.piezoviscosity import PressureLaw, reduced_at_edges
 from .laws.roughness import FLOW_FACTORS
-from .oil import VISCOSITY_LAWS
 
 OIL_SUPPLIES = ("edges", "bore", "bore_and_ring")
 OPENING_SUPPLIES = ("lower_edge", "own")

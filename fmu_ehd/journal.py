@@ -47,8 +47,8 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from .balance.grid import Array
-from .laws.cavitation import NotConverged
+from .common.faults import NotConverged
+from .common.grid import Array
 from .state import Memory
 
 MOST_POSITIONS = 60

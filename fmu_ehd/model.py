@@ -6,9 +6,9 @@ import numpy as np
 
 from ..master.fmi.noted import none_yet, remark_of
 from . import constants, step, step_tangent
-from .balance.grid import Array, Entrainment
+from .common.faults import FAULT, FAULTS, raise_noted
+from .common.grid import Array, Entrainment
 from .contradictions import is_fed
-from .faults import FAULT, FAULTS, raise_noted
 from .parameters import Parameters, chosen_of, has_image, is_of, numbers_of
 from .solvers.sparse import linear_solver
 from .state import Fields, Inputs, LastStep, Memory, Scalars

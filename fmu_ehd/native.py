@@ -24,9 +24,9 @@ from ..master.fmi.noted import ROOM
 from ..master.fmi.slave import PRODUCT, SEED
 from ..master.fmi.symmetry import AUTOMATIC, THRUST_PLANE, WHOLE
 from . import constants, contradictions, step, step_tangent
-from .balance.grid import Array, keep
+from .common.faults import FAULT, FAULTS, count_rows_from, refuse
+from .common.grid import Array, keep
 from .contradictions import FROM_EDGES, FULL_TURN
-from .faults import FAULT, FAULTS, count_rows_from, refuse
 from .options import BuildOptions
 from .parameters import CHOICES, CHOSEN, NUMBERS, TUNABLE, Chosen, Numbers, has_image
 from .solvers.blocks import Factors, no_factors

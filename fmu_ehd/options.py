@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .balance.grid import Flags
+from .common.grid import Flags
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,9 @@ import numpy as np
 
 from ..master.fmi.noted import none_yet, sentences_of
 from ..master.fmi.symmetry import FILM_SYMMETRIES, odd_part
-from .balance.grid import Flags
+from .common.declaration import choice, declared, variables_of
+from .common.faults import FAULTS
+from .common.grid import Flags
 from .contradictions import (
     FULL_TURN,
     OIL_SUPPLIES,
@@ -17,13 +19,11 @@ from .contradictions import (
     check_parameters,
     check_supply,
 )
-from .declaration import choice, declared, variables_of
-from .faults import FAULTS
 from .laws.asperity import CONTACT_LAWS
 from .laws.cavitation import CAVITATION
 from .laws.friction import CAVITY_SHEAR
+from .laws.oil import Oil
 from .laws.roughness import FLOW_FACTORS
-from .oil import Oil
 
 SURFACES = ("skirt", "bearing")
 

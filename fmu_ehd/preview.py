@@ -9,7 +9,7 @@ from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Preview
 from ..master.fmi.quantities import short
 from .build import prepare
-from .oil import Oil
+from .laws.oil import Oil
 from .options import BuildOptions
 from .parameters import faults, parameters_of
 

@@ -8,7 +8,7 @@ from pythonfmu.enums import Fmi2Status
 from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
-from .laws.cavitation import NotConverged
+from .common.faults import NotConverged
 from .model import LubricationModel
 from .options import BuildOptions
 from .parameters import TUNABLE, faults, numbers_of, parameters_of

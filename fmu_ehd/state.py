@@ -6,10 +6,10 @@ A memory in machine code follows these annotations, and so do the output variabl
 from typing import Annotated, NamedTuple
 
 from . import step_parts as parts
-from .balance.films import FilmSlopes, Quantities
-from .balance.grid import Array, Edges, Field, Flags, Stencil
 from .balance.oil_layer import OilLayer
 from .balance.reynolds import Filling
+from .common.grid import Array, Edges, Field, Flags, Stencil
+from .common.quantities import FilmSlopes, Quantities
 from .laws.circumferential import CircumferentialInputs
 from .laws.friction import ShearInputs
 from .laws.piezoviscosity import TruePressure

@@ -22,25 +22,18 @@ from .balance.film_step import (
     FilmSolution,
     solved_filling,
 )
-from .balance.films import CARRIERS, STORED
 from .balance.flow_film import FlowFilm, ShearedOil, flow_film
-from .balance.grid import (
-    LOWER,
-    UPPER,
-    Array,
-    Edges,
-    Entrainment,
-    Flags,
-    sum_of_products,
-)
 from .balance.oil_layer import LayerVolumes, OilLayer
 from .balance.transport import Lift
+from .common.faults import FAULT
+from .common.grid import LOWER, UPPER, Array, Edges, Entrainment, Flags, sum_of_products
+from .common.quantities import CARRIERS, STORED
 from .constants import FilmConstants
-from .faults import FAULT
 from .laws import circumferential
 from .laws.circumferential import CircumferentialInputs
 from .laws.coating import Softness
 from .laws.contact import has_narrow_steps, profile_steps
+from .laws.friction import FrictionPowers
 from .laws.piezoviscosity import (
     PRESSURE_VISCOSITY_LAWS,
     TruePressure,
@@ -87,7 +80,7 @@ class SurfaceForces(NamedTuple):
 
     along: parts.Forces
     around: Array
-    powers: parts.FrictionPowers
+    powers: FrictionPowers
 
 
 class StepResult(NamedTuple):
@@ -162,14 +155,14 @@ def acting_of(
         outside.upper,
     )
     acted = parts.forces(film, fixed.surfaces, fixed.domain, faults)
+    powers = FrictionPowers(acted.summary.power, acted.boundary_power)
     if not fixed.bearing:
-        powers = parts.FrictionPowers(acted.summary.power, acted.boundary_power)
         return SurfaceForces(acted, inputs.turning, powers)
     turning = turning_of(fixed, inputs)
     around = circumferential.shear_forces(acted.shear, turning)
     thickness = inputs.hard_film + seen.deflection  # Eq. (L2)
     above = np.maximum(thickness, fixed.laws.minimum_flow_film)
-    powers = circumferential.powers(acted, around, turning, above)
+    powers = circumferential.powers(powers, acted.shear, around, turning, above)
     return SurfaceForces(acted, around.viscous + around.boundary, powers)
 
 

@@ -11,15 +11,15 @@ from ..master.fmi.block import is_finite
 from ..master.fmi.compiled import compiled
 from .balance import storage, transport
 from .balance.film_step import Domain, FilmSolution
-from .balance.films import Carriers
-from .balance.grid import Array, AxialFaces, Cells, Edges, Field, Flags, images, sum_of_products
 from .balance.storage import ContentHistory, EulerStep
 from .balance.transport import CellStates, StepRatios
-from .faults import FAULT, refuse
+from .common.faults import FAULT, refuse
+from .common.grid import Array, AxialFaces, Cells, Edges, Field, Flags, images, sum_of_products
+from .common.quantities import Carriers
 from .laws import friction
 from .laws.asperity import MOST_OVERLAP, ContactConstants
 from .laws.contact import Contact, contact
-from .laws.friction import ShearConstants, ShearForces, ShearInputs
+from .laws.friction import FrictionPowers, ShearConstants, ShearForces, ShearInputs
 from .summary import Halves, Summary, summarise
 
 # ---- what a step starts from
@@ -379,13 +379,6 @@ def leaving_above(axial_flow: Array) -> float:
     for i in range(axial_flow.shape[0]):
         leaving += max(axial_flow[i, axial_flow.shape[1] - 1], 0.0)
     return leaving
-
-
-class FrictionPowers(NamedTuple):
-    """Power that sliding costs, and the asperities' part of it [W]."""
-
-    friction: float
-    boundary: float
 
 
 class Totals(NamedTuple):

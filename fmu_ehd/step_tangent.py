@@ -10,9 +10,9 @@ import numpy as np
 
 from ..master.fmi.compiled import compilable, numbered
 from .balance.film_step import film_slopes, solutions
-from .balance.films import COUETTE, FilmSlopes
-from .balance.grid import Array, Entrainment, Field, Stencil, put
 from .balance.tangent import apply_stencils
+from .common.grid import Array, Entrainment, Field, Stencil, put
+from .common.quantities import COUETTE, FilmSlopes
 from .constants import FilmConstants
 from .laws import cavitation, circumferential, coating, friction
 from .laws.circumferential import Changes, CircumferentialSlopes

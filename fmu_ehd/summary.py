@@ -5,7 +5,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..master.fmi.compiled import compiled
-from .balance.grid import Array, Cells, images
+from .common.grid import Array, Cells, images
 from .laws.friction import ShearForces
 
 

@@ -7,12 +7,11 @@ import numpy as np
 
 from ..master.fmi.compiled import compilable, compiled
 from ..master.fmi.noted import none_yet, sentences_of
-from .balance.grid import Array, Edges
+from .common.faults import FAULTS, NotConverged
+from .common.grid import Array, Edges
 from .contradictions import AmbientPressures, check_supply, edges_of, outside_of
-from .faults import FAULTS
-from .laws.cavitation import NotConverged
+from .laws.oil import low_shear_viscosity
 from .laws.piezoviscosity import TABLE, PressureLaw, pressure_law
-from .oil import low_shear_viscosity
 from .parameters import Numbers, Parameters, chosen_of, numbers_of
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from ..master.fmi.errors import BadInput, unknown
 from ..master.fmi.quantities import to_si
 from ..master.fmi.variables import Variable
-from .balance.grid import Flags
+from .common.grid import Flags
 
 
 def read(given: Mapping[str, Any], known: Mapping[str, Variable], kind: str) -> dict[str, Any]:

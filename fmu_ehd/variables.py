@@ -9,8 +9,8 @@ from dataclasses import replace
 from typing import get_type_hints
 
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
-from .declaration import variables_of
-from .oil import Oil
+from .common.declaration import variables_of
+from .laws.oil import Oil
 from .parameters import TUNABLE, Parameters, is_of
 from .state import Fields, Scalars
 

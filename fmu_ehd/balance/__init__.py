@@ -1,6 +1,5 @@
 """Film balance: film thickness to pressure, one time step.
 
-grid         cells and edges
 films        what a film thickness means for flow and shear (E); flow_film: for any oil and surface
 reynolds     balance on faces and cells, and its five-point matrix (E); tangent: its derivatives
 storage      oil content, second order in time (T)

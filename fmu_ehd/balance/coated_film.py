@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..faults import FAULT, refuse
+from ..common.faults import FAULT, refuse
+from ..common.grid import Array, Entrainment, Flags, put
 from ..laws import cavitation, coating
 from ..laws.asperity import ContactConstants
 from ..laws.coating import Softness
@@ -28,7 +29,6 @@ from .film_step import (
     lift_along,
 )
 from .flow_film import FilmLaws, FlowFilm, ShearedOil, flow_film
-from .grid import Array, Entrainment, Flags, put
 from .reynolds import Filling
 from .tangent import BY_FILM
 

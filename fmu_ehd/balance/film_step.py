@@ -9,7 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled, standing_for
-from ..faults import FAULT, refuse
+from ..common.faults import FAULT, refuse
+from ..common.grid import FIRST, LAST, OPENINGS, Array, Cells, Edges, Entrainment, Flags
+from ..common.quantities import STORED, FilmSlopes
 from ..laws import cavitation
 from ..laws.cavitation import Cavitation
 from ..laws.coating import Softness, soften
@@ -22,8 +24,6 @@ from ..solvers.blocks import (
 )
 from ..solvers.sparse import LinearSolver
 from . import openings, reynolds, tangent, transport
-from .films import STORED, FilmSlopes
-from .grid import FIRST, LAST, OPENINGS, Array, Cells, Edges, Entrainment, Flags
 from .reynolds import Faces, Filling, Storage
 from .storage import EulerStep
 from .transport import Lift
@@ -454,7 +454,7 @@ def film_slopes(
     ----------
     film : ndarray, shape (6, n_c, n_a)
         Quantities of `films`.
-    slopes : films.FilmSlopes
+    slopes : quantities.FilmSlopes
     entrainment, dentrainment : grid.Entrainment
         [m/s], and derivatives to the sliding velocity [-].
     filling : reynolds.Filling

@@ -20,15 +20,22 @@ Phi_fs and phi_fp. For a rough bore under a smooth skirt (Y = 0) that shear is t
 film, which has no mass, gives the bore the rest: the same whole of sliding, and h - phi_fp h/2 of a
 pressure gradient. Between them both are linear in the variances, as the flow factors are.
 
-All quantities of a film stand in one array of shape (6, n_c, n_a); the names below are its first
-axis.
+All quantities of a film stand in one array, `common.quantities`.
 """
-
-from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from ..common.grid import Array
+from ..common.quantities import (
+    CONDUCTIVITY_A,
+    CONDUCTIVITY_C,
+    COUETTE,
+    POISEUILLE,
+    QUANTITIES,
+    STORED,
+    TRANSPORT,
+)
 from ..laws.hermite import interpolate
 from ..laws.roughness import (
     FACTOR,
@@ -36,28 +43,6 @@ from ..laws.roughness import (
     TABLE_END,
     TABLE_START,
 )
-from .grid import Array
-
-# first axis of the quantities of a film:
-# s, h_U [m];  kappa across j and i [m3/(Pa s)];  c_v [Pa s/m];  b_p [m]
-STORED, TRANSPORT, CONDUCTIVITY_A, CONDUCTIVITY_C, COUETTE, POISEUILLE = range(6)
-QUANTITIES = 6
-CARRIERS = 3  # the first ones, which `transport` needs of the past
-Quantities = Annotated[Array, f"{QUANTITIES}, n_c, n_a"]
-Carriers = Annotated[Array, f"{CARRIERS}, n_c, n_a"]
-
-
-class FilmSlopes(NamedTuple):
-    """Derivatives of the quantities of a film.
-
-    by_film : ndarray, shape (6, n_c, n_a)
-        To film thickness [unit of the quantity/m].
-    by_velocity : ndarray, shape (6, n_c, n_a), or (0, n_c, n_a) if all zero
-        To sliding velocity [unit of the quantity s/m].
-    """
-
-    by_film: Quantities
-    by_velocity: Quantities
 
 
 @compiled

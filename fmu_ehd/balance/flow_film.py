@@ -19,10 +19,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
+from ..common.grid import Array
+from ..common.quantities import CONDUCTIVITY_A, CONDUCTIVITY_C, COUETTE, FilmSlopes
+from ..laws.oil import SHEAR_THINNING_LAWS, Thinning, tangent_thinning, thinning
 from ..laws.roughness import sheared_gap
-from ..oil import SHEAR_THINNING_LAWS, Thinning, tangent_thinning, thinning
-from .films import CONDUCTIVITY_A, CONDUCTIVITY_C, COUETTE, FilmSlopes, rough_film, smooth_film
-from .grid import Array
+from .films import rough_film, smooth_film
 
 
 class FilmLaws(NamedTuple):
@@ -56,7 +57,7 @@ class FlowFilm(NamedTuple):
     """A film as flow and shear see it.
 
     quantities : ndarray, shape (6, n_c, n_a), of `films`; slopes, slopes_around :
-    films.FilmSlopes, their velocity the axial and the circumferential one.
+    quantities.FilmSlopes, their velocity the axial and the circumferential one.
     """
 
     quantities: Array

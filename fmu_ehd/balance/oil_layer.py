@@ -73,8 +73,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..faults import FAULT, refuse
-from .grid import Array, Cells, Field, Flags, add, images, in_plenty, put, sum_of_products
+from ..common.faults import FAULT, refuse
+from ..common.grid import Array, Cells, Field, Flags, add, images, in_plenty, put, sum_of_products
 
 NO_EDGE = -1.0
 BARE_AT_LEAST = 1e-300  # share of a cell in place of none, to divide by

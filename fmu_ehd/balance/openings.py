@@ -11,8 +11,8 @@ over an edge, Eq. (E12).
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from .films import CONDUCTIVITY_A, CONDUCTIVITY_C
-from .grid import Array, Cells, Flags, row_at
+from ..common.grid import Array, Cells, Flags, row_at
+from ..common.quantities import CONDUCTIVITY_A, CONDUCTIVITY_C
 from .reynolds import Faces, Filling
 
 FREE = 1e30  # conductivity of an opening: no resistance [m3/(Pa s)]

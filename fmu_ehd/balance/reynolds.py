@@ -54,8 +54,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from .films import CONDUCTIVITY_A, CONDUCTIVITY_C, TRANSPORT
-from .grid import (
+from ..common.grid import (
     CENTRE,
     EAST,
     FIRST,
@@ -75,6 +74,7 @@ from .grid import (
     face_shares,
     images,
 )
+from ..common.quantities import CONDUCTIVITY_A, CONDUCTIVITY_C, TRANSPORT
 
 # share of the gross flows, and of the film volume a step, that the throughput of a film is taken
 # for at least

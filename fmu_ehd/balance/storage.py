@@ -58,7 +58,7 @@ ed., Springer 1993, section III.5 (variable-step BDF and their stability).
 from typing import NamedTuple
 
 from ...master.fmi.compiled import compiled
-from .grid import Array, Cells, images
+from ..common.grid import Array, Cells, images
 
 LARGEST_RATIO = 2.0  # of H / H_n in Eq. (T2), below 1 + sqrt(2)
 # [m] content that is round-off in an empty cell: a film of 10 um times the rounding of film

@@ -14,8 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from .films import CONDUCTIVITY_A, CONDUCTIVITY_C, STORED, TRANSPORT, FilmSlopes
-from .grid import (
+from ..common.grid import (
     CENTRE,
     EAST,
     FIRST,
@@ -33,6 +32,7 @@ from .grid import (
     face_shares,
     images,
 )
+from ..common.quantities import CONDUCTIVITY_A, CONDUCTIVITY_C, STORED, TRANSPORT, FilmSlopes
 from .reynolds import Filling
 
 # first axis of the tangent of the film balance: derivative to film thickness and to sliding
@@ -206,7 +206,7 @@ def linearise(
     ----------
     film : ndarray, shape (6, n_c, n_a)
         Quantities of `films`.
-    slopes : films.FilmSlopes
+    slopes : quantities.FilmSlopes
     streams : (grid.Entrainment, grid.Entrainment)
         Entrainment [m/s], and its derivatives to the sliding velocity [-].
     filling : reynolds.Filling

@@ -70,8 +70,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from .films import CONDUCTIVITY_A, STORED, TRANSPORT
-from .grid import LOWER, OPENINGS, UPPER, Array, Cells, Edges, Flags, face_shares, images
+from ..common.grid import LOWER, OPENINGS, UPPER, Array, Cells, Edges, Flags, face_shares, images
+from ..common.quantities import CONDUCTIVITY_A, STORED, TRANSPORT
 
 # cells of travel in a step between which there is a lift: below, nothing moves but round-off
 NEAREST, FARTHEST = 1e-9, 16.0

@@ -1,6 +1,6 @@
 """Laws of a film.
 
-piezoviscosity   viscosity by pressure (O)
+oil              viscosity by temperature and shear rate (O); piezoviscosity: by pressure
 cavitation       cavitation models and the active set (C)
 roughness        average flow factors (R)
 asperity         Greenwood-Tripp contact (A); contact: its mean over a cell

@@ -49,7 +49,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..balance.grid import Array
+from ..common.grid import Array
 from .hermite import interpolate
 
 CONTACT_LAWS = ("greenwood_tripp_1970", "power_fit")

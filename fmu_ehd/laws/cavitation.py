@@ -37,7 +37,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..balance.grid import EAST, NORTH, SOUTH, WEST, Array, Flags
+from ..common.grid import EAST, NORTH, SOUTH, WEST, Array, Flags
 
 # a cell this little over-full stays cavitated: rounding of film_fraction - 1
 FRACTION_ROUNDOFF = 1e-13
@@ -46,13 +46,6 @@ PRESSURE_ROUNDOFF = 1e-12
 PRESSURE_NEGLIGIBLE = 1e-9  # [Pa] the same where there is no pressure at all
 ALL_AT_ONCE = 25  # iterations in which all cells switch together, at least
 LIMIT = 1000  # iterations in all
-
-
-class NotConverged(RuntimeError):
-    """Step without a solution, or whose solution was not reached.
-
-    The message says what, where and by how much.
-    """
 
 
 class PatternChange(NamedTuple):

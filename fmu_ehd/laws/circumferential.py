@@ -25,10 +25,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..balance.films import COUETTE, POISEUILLE, FilmSlopes
-from ..balance.grid import Array, Field, put, sum_of_products
-from ..step_parts import Forces, FrictionPowers
-from .friction import ForceSlopes, ShearForces, ShearInputs, gradients
+from ..common.grid import Array, Field, put, sum_of_products
+from ..common.quantities import COUETTE, POISEUILLE, FilmSlopes
+from .friction import ForceSlopes, FrictionPowers, ShearForces, ShearInputs, gradients
 
 
 class CircumferentialInputs(NamedTuple):
@@ -137,14 +136,19 @@ def shear_forces(inputs: ShearInputs, turning: CircumferentialInputs) -> ShearFo
 
 @compilable
 def powers(
-    acted: Forces, around: ShearForces, turning: CircumferentialInputs, thickness: Array
+    along: FrictionPowers,
+    inputs: ShearInputs,
+    around: ShearForces,
+    turning: CircumferentialInputs,
+    thickness: Array,
 ) -> FrictionPowers:
     """Power that sliding costs on a bearing.
 
     Parameters
     ----------
-    acted : step_parts.Forces
-        Along the axis.
+    along : friction.FrictionPowers
+        Of the forces along the axis.
+    inputs : friction.ShearInputs
     around : friction.ShearForces
         From `shear_forces`.
     turning : CircumferentialInputs
@@ -152,11 +156,10 @@ def powers(
         h, not below the floor [m].
     """
     w = turning.velocity
-    inputs = acted.shear
     turned = around.viscous + around.boundary
     carried = carried_power(inputs, turning, thickness)
-    friction = acted.summary.power - sum_of_products(turned, w) + carried  # Eq. (F8)
-    boundary = acted.boundary_power - sum_of_products(around.boundary, w)
+    friction = along.friction - sum_of_products(turned, w) + carried  # Eq. (F8)
+    boundary = along.boundary - sum_of_products(around.boundary, w)
     return FrictionPowers(friction, boundary)
 
 
@@ -196,7 +199,7 @@ def force_slopes(
     ----------
     inputs : friction.ShearInputs
     turning : CircumferentialInputs
-    to_v, to_w : films.FilmSlopes
+    to_v, to_w : quantities.FilmSlopes
         `by_velocity` to V, and to W.
     by_pressure : ndarray, shape (n_c, n_a)
         By piezoviscosity, beyond the gradient [N/Pa].

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..balance.grid import Array, Flags
+from ..common.grid import Array, Flags
 from .contact import Contact, neighbour
 from .piezoviscosity import TruePressure
 

@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from ..balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Cells, Flags, row_at
+from ..common.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Cells, Flags, row_at
 from .asperity import TABLE_END, ContactConstants, point_contact
 
 # Eq. (A12): contact on a smaller step changes by less than 1 %, on all of a cell's parabola

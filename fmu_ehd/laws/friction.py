@@ -36,8 +36,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from ..balance.films import COUETTE, POISEUILLE, FilmSlopes, Quantities
-from ..balance.grid import Array, Field
+from ..common.grid import Array, Field
+from ..common.quantities import COUETTE, POISEUILLE, FilmSlopes, Quantities
 
 # what shears of a cavitated film: its oil alone, or f = 1
 CAVITY_SHEAR = ("film_fraction", "full_film")
@@ -72,6 +72,13 @@ class ShearInputs(NamedTuple):
     boundary_stress: Field
     area: Field
     constants: ShearConstants
+
+
+class FrictionPowers(NamedTuple):
+    """Power that sliding costs, and the asperities' part of it [W]."""
+
+    friction: float
+    boundary: float
 
 
 class ShearForces(NamedTuple):
@@ -217,7 +224,7 @@ def shear_slopes(inputs: ShearInputs, turning: Array, film_slopes: FilmSlopes, b
         As in `viscous_force`.
     turning : ndarray, shape (n_c, n_a)
         W [m/s], 0 on a skirt.
-    film_slopes : films.FilmSlopes
+    film_slopes : quantities.FilmSlopes
         Of `inputs.film`.
     by_pressure : ndarray, shape (n_c, n_a)
         What `ShearSlopes.pressure` holds beside openings too.

@@ -4,7 +4,7 @@ The slope is consistent with the values.
 """
 
 from ...master.fmi.compiled import compiled
-from ..balance.grid import Array
+from ..common.grid import Array
 
 
 @compiled(inline="always")

@@ -29,9 +29,9 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled, numbered
-from ..balance.films import COUETTE
-from ..balance.grid import Array, Field
-from ..faults import FAULT, refuse
+from ..common.faults import FAULT, refuse
+from ..common.grid import Array, Field
+from ..common.quantities import COUETTE
 
 PRESSURE_VISCOSITY_LAWS = numbered("none", "barus_1893", "roelands_1966")
 

@@ -80,7 +80,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled, numbered
-from ..balance.grid import Array
+from ..common.grid import Array
 
 FLOW_FACTORS = ("none", "patir_cheng_1978")
 

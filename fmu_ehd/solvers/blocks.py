@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...master.fmi.compiled import compilable, compiled
-from ..balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
+from ..common.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
 
 
 class Factors(NamedTuple):

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
+from ..common.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array
 from .blocks import BlockTridiagonal
 
 

@@ -14,7 +14,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy is loaded
 
 import numpy as np
 
-from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases import reciprocating
 from piston_cosim.tests.verification.cases.motored import film_after

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.motored import film_after
 

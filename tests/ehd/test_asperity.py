@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from piston_cosim.fmu_ehd.balance.grid import Cells
+from piston_cosim.fmu_ehd.common.grid import Cells
 from piston_cosim.fmu_ehd.laws import asperity
 from piston_cosim.fmu_ehd.laws.contact import contact as contact_of_cells
 from piston_cosim.fmu_ehd.laws.contact import has_narrow_steps

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import piston_cosim as pc
-from piston_cosim.fmu_ehd.balance.grid import Cells
+from piston_cosim.fmu_ehd.common.grid import Cells
 from piston_cosim.fmu_ehd.laws.circumferential import gradients_around
-from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters, faults
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.tests.verification.cases import bearings

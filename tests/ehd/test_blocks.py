@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd.balance.grid import CENTRE, EAST, NORTH, SOUTH, WEST
+from piston_cosim.fmu_ehd.common.grid import CENTRE, EAST, NORTH, SOUTH, WEST
 from piston_cosim.fmu_ehd.solvers.blocks import BlockTridiagonal, invert_in_place
 
 

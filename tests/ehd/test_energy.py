@@ -8,9 +8,9 @@ import pytest
 
 from piston_cosim.fmu_ehd.balance import reynolds
 from piston_cosim.fmu_ehd.balance.films import smooth_film
-from piston_cosim.fmu_ehd.balance.grid import Entrainment
+from piston_cosim.fmu_ehd.common.grid import Entrainment
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.bearings import RADIUS, SPEED, bearing, eccentric
 from piston_cosim.tests.verification.cases.motored import film_after, opening

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd.balance import reynolds
-from piston_cosim.fmu_ehd.balance.grid import Edges, Entrainment, in_plenty
 from piston_cosim.fmu_ehd.balance.reynolds import Filling
 from piston_cosim.fmu_ehd.balance.storage import EulerStep
+from piston_cosim.fmu_ehd.common.grid import Edges, Entrainment, in_plenty
 from piston_cosim.fmu_ehd.laws import cavitation
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.film import flow_film

@@ -2,12 +2,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from piston_cosim.fmu_ehd.balance.films import (
-    CONDUCTIVITY_A,
-    COUETTE,
-    STORED,
-    rough_film,
-)
+from piston_cosim.fmu_ehd.balance.films import rough_film
+from piston_cosim.fmu_ehd.common.quantities import CONDUCTIVITY_A, COUETTE, STORED
 from piston_cosim.fmu_ehd.laws import roughness
 
 SIGMA = 1e-6

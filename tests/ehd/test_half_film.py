@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import piston_cosim as pc
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.master.fmi.symmetry import odd_part, thrust_image
 

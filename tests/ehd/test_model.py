@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 import piston_cosim as pc
-from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
+from piston_cosim.fmu_ehd.common.faults import NotConverged
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.motored import (
     DEGREE,

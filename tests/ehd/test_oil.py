@@ -6,6 +6,7 @@ from scipy.integrate import quad, trapezoid
 
 from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, ShearedOil, flow_film
 from piston_cosim.fmu_ehd.build import oil_values
+from piston_cosim.fmu_ehd.laws.oil import Oil, tangent_thinning
 from piston_cosim.fmu_ehd.laws.piezoviscosity import (
     PRESSURE_VISCOSITY_LAWS,
     TABLE,
@@ -14,7 +15,6 @@ from piston_cosim.fmu_ehd.laws.piezoviscosity import (
     reduced_pressure,
     viscosity_ratio,
 )
-from piston_cosim.fmu_ehd.oil import Oil, tangent_thinning
 from piston_cosim.models import MODELS
 from piston_cosim.tests.verification.cases.thinned_pad import (
     generalised_newtonian_load,

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd.balance import oil_layer
-from piston_cosim.fmu_ehd.balance.grid import LOWER, UPPER
 from piston_cosim.fmu_ehd.balance.oil_layer import LayerVolumes
-from piston_cosim.fmu_ehd.faults import raise_noted
-from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
+from piston_cosim.fmu_ehd.common.faults import NotConverged, raise_noted
+from piston_cosim.fmu_ehd.common.grid import LOWER, UPPER
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.master.fmi.noted import none_yet

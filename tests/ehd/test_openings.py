@@ -9,9 +9,9 @@ from scipy.ndimage import distance_transform_edt
 
 import piston_cosim as pc
 from piston_cosim.fmu_ehd.balance import openings
-from piston_cosim.fmu_ehd.balance.grid import Cells
 from piston_cosim.fmu_ehd.balance.openings import starve
 from piston_cosim.fmu_ehd.balance.reynolds import Faces
+from piston_cosim.fmu_ehd.common.grid import Cells
 
 
 def nearest(open_cells, dx, dy):

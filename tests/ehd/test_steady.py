@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import piston_cosim as pc
+from piston_cosim.fmu_ehd.common.faults import NotConverged
 from piston_cosim.fmu_ehd.journal import by_shapes, film_force, gap, shapes_of, stiffness
-from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
 from piston_cosim.tests.verification.cases import bearings
 
 BEARING = (160, 40)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd.balance import storage
-from piston_cosim.fmu_ehd.balance.grid import Cells
 from piston_cosim.fmu_ehd.balance.storage import ContentHistory
+from piston_cosim.fmu_ehd.common.grid import Cells
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step_parts import begin

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd import step_parts
-from piston_cosim.fmu_ehd.balance.films import CARRIERS
-from piston_cosim.fmu_ehd.balance.grid import Edges
 from piston_cosim.fmu_ehd.balance.transport import StepRatios
+from piston_cosim.fmu_ehd.common.grid import Edges
+from piston_cosim.fmu_ehd.common.quantities import CARRIERS
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step_parts import PreviousFilm

@@ -18,8 +18,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.summary import halves
 
 from .sleeve import LENGTH, RADIUS, VISCOSITY, WIDTH, near, parameters, stepped

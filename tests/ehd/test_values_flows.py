@@ -10,16 +10,11 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_ehd.balance import reynolds, tangent
-from piston_cosim.fmu_ehd.balance.films import (
-    CONDUCTIVITY_A,
-    CONDUCTIVITY_C,
-    COUETTE,
-    QUANTITIES,
-    FilmSlopes,
-    smooth_film,
-)
+from piston_cosim.fmu_ehd.balance.films import smooth_film
 from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, ShearedOil, flow_film
-from piston_cosim.fmu_ehd.balance.grid import (
+from piston_cosim.fmu_ehd.balance.reynolds import Filling, Storage
+from piston_cosim.fmu_ehd.balance.tangent import BY_FILM, BY_VELOCITY
+from piston_cosim.fmu_ehd.common.grid import (
     CENTRE,
     EAST,
     NORTH,
@@ -29,13 +24,18 @@ from piston_cosim.fmu_ehd.balance.grid import (
     Entrainment,
     in_plenty,
 )
-from piston_cosim.fmu_ehd.balance.reynolds import Filling, Storage
-from piston_cosim.fmu_ehd.balance.tangent import BY_FILM, BY_VELOCITY
+from piston_cosim.fmu_ehd.common.quantities import (
+    CONDUCTIVITY_A,
+    CONDUCTIVITY_C,
+    COUETTE,
+    QUANTITIES,
+    FilmSlopes,
+)
 from piston_cosim.fmu_ehd.laws import coating
 from piston_cosim.fmu_ehd.laws.asperity import ContactConstants, contact_table, point_contact
 from piston_cosim.fmu_ehd.laws.contact import Contact
+from piston_cosim.fmu_ehd.laws.oil import SHEAR_THINNING_LAWS, Thinning
 from piston_cosim.fmu_ehd.laws.piezoviscosity import TruePressure
-from piston_cosim.fmu_ehd.oil import SHEAR_THINNING_LAWS, Thinning
 
 VISCOSITY = 0.012  # [Pa s]
 FILM = 6e-6  # [m]

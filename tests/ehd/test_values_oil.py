@@ -14,6 +14,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.laws.piezoviscosity import (
     PRESSURE_VISCOSITY_LAWS,
     TABLE,
@@ -21,7 +22,6 @@ from piston_cosim.fmu_ehd.laws.piezoviscosity import (
     reduced_pressure,
     viscosity_ratio,
 )
-from piston_cosim.fmu_ehd.oil import Oil
 
 from . import sleeve
 from .sleeve import AREA, LENGTH, WIDTH

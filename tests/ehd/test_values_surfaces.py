@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from piston_cosim.fmu_ehd.balance.films import COUETTE
 from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, ShearedOil, flow_film
+from piston_cosim.fmu_ehd.common.quantities import COUETTE
 from piston_cosim.fmu_ehd.laws import roughness
-from piston_cosim.fmu_ehd.oil import Oil
+from piston_cosim.fmu_ehd.laws.oil import Oil
 
 from . import sleeve
 from .sleeve import AREA, LENGTH, RADIUS, VISCOSITY, WIDTH, near

@@ -16,7 +16,7 @@ from ..command import script
 from .test_installed import FILES, PARTS, ROOT
 
 VISCOSITY_LAW = {
-    "fmu_ehd/oil.py": [
+    "fmu_ehd/laws/oil.py": [
         ('"walther_1931", "two_point")', '"walther_1931", "two_point", "reynolds_1886")'),
         (
             "    return x.viscosity + 0.0 * temperature\n",

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import CHOICES, CHOSEN, NUMBERS, Parameters
 from piston_cosim.fmu_ehd.state import Fields, Scalars
 from piston_cosim.fmu_ehd.variables import (

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 
 pytestmark = pytest.mark.slow  # random inputs

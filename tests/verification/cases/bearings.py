@@ -42,10 +42,10 @@ from scipy.sparse import lil_matrix
 from scipy.sparse.linalg import spsolve
 
 from piston_cosim.fmu_ehd import journal as journals
-from piston_cosim.fmu_ehd.balance.grid import Array, Flags
-from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
+from piston_cosim.fmu_ehd.common.faults import NotConverged
+from piston_cosim.fmu_ehd.common.grid import Array, Flags
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.step_parts import begin
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from piston_cosim.fmu_ehd.balance.grid import Array
+from piston_cosim.fmu_ehd.common.grid import Array
 from piston_cosim.fmu_mfbd.finite_elements.connections import outer_faces
 from piston_cosim.fmu_mfbd.finite_elements.matrices import assembled
 from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh

@@ -11,26 +11,14 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
-from piston_cosim.fmu_ehd import oil
 from piston_cosim.fmu_ehd.balance import storage
 from piston_cosim.fmu_ehd.balance.film_step import FilmSolution
-from piston_cosim.fmu_ehd.balance.films import (
-    CONDUCTIVITY_A,
-    COUETTE,
-    STORED,
-    rough_film,
-    smooth_film,
-)
-from piston_cosim.fmu_ehd.balance.grid import (
-    LOWER,
-    Array,
-    Edges,
-    Entrainment,
-    in_plenty,
-)
+from piston_cosim.fmu_ehd.balance.films import rough_film, smooth_film
 from piston_cosim.fmu_ehd.balance.storage import ContentHistory, EulerStep
-from piston_cosim.fmu_ehd.laws import asperity, roughness
-from piston_cosim.fmu_ehd.laws.cavitation import NotConverged
+from piston_cosim.fmu_ehd.common.faults import NotConverged
+from piston_cosim.fmu_ehd.common.grid import LOWER, Array, Edges, Entrainment, in_plenty
+from piston_cosim.fmu_ehd.common.quantities import CONDUCTIVITY_A, COUETTE, STORED
+from piston_cosim.fmu_ehd.laws import asperity, oil, roughness
 from piston_cosim.fmu_ehd.laws.friction import ShearConstants, ShearInputs, viscous_force
 from piston_cosim.fmu_ehd.parameters import Parameters
 

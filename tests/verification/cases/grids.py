@@ -13,9 +13,9 @@ from piston_cosim.fmu_ehd.balance.film_step import (
     run,
     solve,
 )
-from piston_cosim.fmu_ehd.balance.grid import Array, Cells, Edges, Entrainment, Flags, in_plenty
 from piston_cosim.fmu_ehd.balance.storage import EulerStep
-from piston_cosim.fmu_ehd.faults import raise_noted
+from piston_cosim.fmu_ehd.common.faults import raise_noted
+from piston_cosim.fmu_ehd.common.grid import Array, Cells, Edges, Entrainment, Flags, in_plenty
 from piston_cosim.fmu_ehd.laws import cavitation
 from piston_cosim.fmu_ehd.solvers.sparse import linear_solver
 from piston_cosim.master.fmi.noted import none_yet

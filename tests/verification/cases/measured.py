@@ -20,7 +20,7 @@ from rich.text import Text
 
 import piston_cosim as pc
 from piston_cosim.fmu_ehd import journal
-from piston_cosim.fmu_ehd.balance.grid import Array, Flags
+from piston_cosim.fmu_ehd.common.grid import Array, Flags
 from piston_cosim.fmu_mfbd.dynamics.bearing_shell import YieldingShell
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ShellFilm
 from piston_cosim.fmu_mfbd.shell.build import elastic_shell

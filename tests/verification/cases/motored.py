@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from piston_cosim.fmu_ehd.balance.grid import Array, Flags
+from piston_cosim.fmu_ehd.common.grid import Array, Flags
+from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
-from piston_cosim.fmu_ehd.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.fmu_ehd.state import Memory
 

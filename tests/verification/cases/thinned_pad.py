@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 
-from piston_cosim.fmu_ehd.oil import Oil, thinning
+from piston_cosim.fmu_ehd.laws.oil import Oil, thinning
 from piston_cosim.fmu_ehd.parameters import Parameters
 
 from .motored import film_after

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import field, fields, replace
 from typing import Any
 
-from ..master.fmi.variables import Variable
+from ...master.fmi.variables import Variable
 
 # keys of a declaration in the metadata of its field
 VARIABLE = "variable"

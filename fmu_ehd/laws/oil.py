@@ -45,10 +45,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..master.fmi.compiled import compilable, numbered
-from .balance.grid import Array
-from .declaration import choice, declared
-from .laws.piezoviscosity import PRESSURE_VISCOSITY_LAWS
+from ...master.fmi.compiled import compilable, numbered
+from ..common.declaration import choice, declared
+from ..common.grid import Array
+from .piezoviscosity import PRESSURE_VISCOSITY_LAWS
 
 ZERO_CELSIUS = 273.15  # [K]
 

@@ -3,11 +3,18 @@
 Kernels note a fault by number, cell and up to three numbers. The sentence is made outside.
 """
 
-from ..master.fmi.compiled import compiled
-from ..master.fmi.noted import DAMAGED_STATE, OF_A_FAULT, numbers_of, sentences_of
-from ..master.fmi.noted import refuse as note
-from .balance.grid import Array
-from .laws.cavitation import NotConverged
+from ...master.fmi.compiled import compiled
+from ...master.fmi.noted import DAMAGED_STATE, OF_A_FAULT, numbers_of, sentences_of
+from ...master.fmi.noted import refuse as note
+from .grid import Array
+
+
+class NotConverged(RuntimeError):
+    """Step without a solution, or whose solution was not reached.
+
+    The message says what, where and by how much.
+    """
+
 
 FROM_BORE = "oil_supply = bore or bore_and_ring"
 EDGES = {"lower": "lower_edge", "upper": "upper_edge", "openings": "openings"}
