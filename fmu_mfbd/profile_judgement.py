@@ -188,7 +188,7 @@ def _of_form(shape: MeasuredShape, form: Form, diameter: float) -> list[Message]
 
 
 def half_turn(shape: MeasuredShape) -> bool:
-    """Whether all values at opposite angles are equal, as those of a gauge for diameters."""
+    """Return whether all values at opposite angles are equal, as those of a gauge for diameters."""
     count = shape.angle.size
     if count < OVAL_ANGLES or count % 2:
         return False

@@ -199,7 +199,7 @@ class Engine:
 
     @property
     def diesel(self) -> bool:
-        """Whether the compression ratio is that of a diesel."""
+        """True for the compression ratio of a diesel."""
         return self["compression"] >= LEAST_DIESEL
 
     @property

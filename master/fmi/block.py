@@ -55,9 +55,9 @@ def row_of(tree: Any) -> np.ndarray:
 
 # ---- memory of a participant: a head, then parts
 
-FIRST_STATE, STATES, FAULTS, PARTS_FROM = range(1, 5)
-"""The head: total length, position and length of the state, position of the faults, which
-front/native.c reads, then the positions of the parts."""
+PARTS_FROM = 4
+"""Position of the parts' positions in the head, after total length, position and length of the
+state, and position of the faults, which front/native.c reads."""
 
 
 def memory_of(

@@ -48,7 +48,6 @@ RAW = {"NUMBA_OPT": "0", "NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 OPTIMISATION = 3  # LLVM's level
 AT_FIRST = 1  # before references are counted: enough to bring those of one kernel together
 
-REALS, INTEGERS, MEMORY, NUMBERS = range(4)  # positions of an entry's lengths
 
 OPEN = {
     "memory": {"NRT_MemInfo_alloc_aligned", "NRT_MemInfo_call_dtor", "memcpy", "memset"},
@@ -206,10 +205,10 @@ def module_text(package: str, part: Any) -> str:
         def call(real: Any, integer: Any, memory: Any, numbers: Any, lengths: Any) -> None:
             n = carray(lengths, 4)
             run(  # noqa: B023 - compiled before the next one comes
-                carray(real, n[REALS]),
-                carray(integer, n[INTEGERS]),
-                carray(memory, n[MEMORY]),
-                carray(numbers, n[NUMBERS]),
+                carray(real, n[0]),
+                carray(integer, n[1]),
+                carray(memory, n[2]),
+                carray(numbers, n[3]),
             )
 
         with global_compiler_lock:

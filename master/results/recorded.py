@@ -228,7 +228,7 @@ class Recorded:
 
     @cached_property
     def _scalars(self) -> dict[str, bool]:
-        """Whether each scalar output is a text."""
+        """Scalar outputs, and whether they are texts."""
         found: dict[str, bool] = {}
 
         def note(name, item):
