@@ -4,10 +4,9 @@ If a process dies or exceeds its time limit, only its point fails.
 """
 
 import os
-import queue
 import threading
 import traceback
-from concurrent.futures import Executor, Future, wait
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from functools import partial
 
@@ -22,8 +21,8 @@ class PointDied(RuntimeError):
     """Process of a point that ended before its result."""
 
 
-class LocalPool(Executor):
-    """Executor of processes that are replaced when they die.
+class LocalPool(ThreadPoolExecutor):
+    """Executor whose threads call processes, which are replaced when they die.
 
     Parameters
     ----------
@@ -34,21 +33,16 @@ class LocalPool(Executor):
     """
 
     def __init__(self, workers=None, time_limit=None):
+        super().__init__(max(1, os.cpu_count() or 1 if workers is None else workers))
         self.time_limit = time_limit
-        self._calls: queue.SimpleQueue = queue.SimpleQueue()
+        self._own = threading.local()  # process of a thread
         self._processes: set = set()
         self._shared: list[Future] = []
         self._closed = threading.Event()
-        self._threads = [
-            threading.Thread(target=self._work, daemon=True)
-            for _ in range(os.cpu_count() or 1 if workers is None else workers)
-        ]
-        for thread in self._threads:
-            thread.start()
 
     def submit(self, fn, /, *args, **kwargs):
         """Return a `Future` of `fn(*args, **kwargs)`."""
-        return self._submit(None, fn, args, kwargs)
+        return super().submit(self._call, None, fn, args, kwargs)
 
     def share(self, listener, fn, calls):
         """Return completed `Future`s of `fn(tell, argument)`, by label.
@@ -57,7 +51,7 @@ class LocalPool(Executor):
 
         Parameters
         ----------
-        told : callable(label, data)
+        listener : callable(label, data)
             Called with the arguments of `tell`, in any thread.
         fn : callable
             Function of a module of this package.
@@ -66,17 +60,14 @@ class LocalPool(Executor):
         """
         first, *others = calls
         here: Future = Future()
+        submit = super().submit
         self._shared = [
-            self._submit(partial(listener, label), fn, (calls[label],), {}) for label in others
+            submit(self._call, partial(listener, label), fn, (calls[label],), {})
+            for label in others
         ]
         here.set_result(fn(partial(listener, first), calls[first]))
         wait(self._shared)
         return dict(zip(calls, [here, *self._shared]))
-
-    def _submit(self, listener, *work):
-        future: Future = Future()
-        self._calls.put((future, listener, work))
-        return future
 
     def send_signal(self, number):
         """Cancel shared calls that wait, and send a signal to all processes."""
@@ -91,35 +82,16 @@ class LocalPool(Executor):
             self._closed.set()
             for process in list(self._processes):
                 process.kill()
-        for _ in self._threads:
-            self._calls.put(None)
+        super().shutdown(wait, cancel_futures=cancel_futures)
         if wait:
-            for thread in self._threads:
-                thread.join()
+            for process in self._processes:
+                process.pipe.close()
+            for process in self._processes:
+                process.join()
+            self._processes.clear()
 
     def __exit__(self, kind, value, trace):
         self.shutdown(cancel_futures=kind is not None)
-
-    def _work(self):
-        """Run calls in a separate process, as the work of a thread."""
-        process = None
-        while (call := self._calls.get()) is not None:
-            future, listener, work = call
-            if self._closed.is_set() or not future.set_running_or_notify_cancel():
-                continue
-            try:
-                if process is None or not process.is_alive:
-                    process = self._start()
-                if self._closed.is_set():  # `shutdown` may not know a process that has just started
-                    self._end(process)
-                    raise PointDied("the process was ended with the others")
-                self._answer(future, listener, work, process)
-            except Exception as error:
-                future.set_exception(error)
-        if process is not None:
-            process.pipe.close()
-            process.join()
-            self._processes.discard(process)
 
     def _start(self):
         process = Worker(_serve)
@@ -131,7 +103,14 @@ class LocalPool(Executor):
             raise PointDied("the process could not be started") from None
         return process
 
-    def _answer(self, future, listener, work, process):
+    def _call(self, listener, *work):
+        """Run a call in the process of this thread."""
+        process = getattr(self._own, "process", None)
+        if process is None or not process.is_alive:
+            process = self._own.process = self._start()
+        if self._closed.is_set():  # `shutdown` may not know a process that has just started
+            self._end(process)
+            raise PointDied("the process was ended with the others")
         try:
             process.pipe.send((listener is not None, *work))
             if not process.pipe.poll(self.time_limit):
@@ -147,9 +126,8 @@ class LocalPool(Executor):
             self._end(process)
             raise PointDied(f"the process ended ({process.end})") from None
         if raised:
-            future.set_exception(answer)
-        else:
-            future.set_result(answer)
+            raise answer
+        return answer
 
     def _end(self, process):
         process.kill()
