@@ -24,8 +24,6 @@ from .reduction.mode_tables import (
     write_modes,
 )
 from .reduction.mode_tables import recover as recovered
-from .reduction.radiation import Radiation
-from .reduction.radiation import radiation as radiated
 from .reduction.reduce import Reduced
 from .reduction.reduced_body import (
     Anatomy,
@@ -307,27 +305,6 @@ def recover(
         displacement = float(np.linalg.norm(fields.displacement, axis=1).max())
         out.append(Recovery(name, file, displacement, fields.peak))
     return out
-
-
-def radiation(options: dict[str, Any], folder: Path, progress: Say = print) -> Radiation:
-    """Return the normal motion of the block's outer faces by mode.
-
-    Parameters
-    ----------
-    options, folder, progress
-        As for `reduce`.
-
-    Raises
-    ------
-    BadInput
-        As `reduce`, and if the block is rigid.
-    """
-    files = _flexible(options, folder, progress)
-    block = load(ReducedBlock, files["block"]) if "block" in files else None
-    if block is None or not len(block.omega):
-        raise BadInput("block.modes: expected a flexible block, got a rigid one")
-    piston = len(load(ReducedPiston, files["piston"]).omega) if "piston" in files else 0
-    return radiated(block, _whole("block", files["block"]).anatomy, piston)
 
 
 def _flexible(options: dict[str, Any], folder: Path, progress: Say) -> dict[str, Path]:

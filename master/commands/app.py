@@ -41,7 +41,6 @@ COMMANDS = {
     "results fields": "Write recorded fields as CSV.",
     "results snapshot": "Write the state of a participant at one instant.",
     "results recover": "Write displacement and stress of the bodies as VTU.",
-    "results noise": "Compute the sound power that the block radiates.",
     "fmu build": "Build the FMU of one participant of a case, or of a single-file model class.",
     "fmu export": "Export a case as one FMU or as an SSP.",
     "fmu info": "Print the interface of an FMU.",

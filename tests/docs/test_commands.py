@@ -38,7 +38,7 @@ SLOW = (
         "study fired_motorcycle *",
     ),
     *("study elastic_tube *", "reduce numerical_example*", "reduce yielding_bosses*", "verify*"),
-    *("results noise results/*", "results recover results/*"),
+    "results recover results/*",
     *("fmu build * --native *", "fmu build * --case *", "fmu export * --native *"),
     *("fmu export my_engine *", "fmu export numerical_example *", "fmu export *.ssp*"),
 )
@@ -55,7 +55,6 @@ NOT_RUN = {
     "--install-completion": "changes the shell of the user",
     "*--dask *": "needs a cluster",
     "reduce my_engine*": "the page adds a mesh first, which tests/fmu/test_own_piston.py does",
-    "results noise a.h5": "a.h5 has no flexible block here, see.md has the command",
     "results recover a.h5*": "a.h5 has no flexible body here, see.md has the command",
     "verify --output": "verification.md has the whole command",
     "run build/engine/engine.ssp": "tests/fmu/test_engine_example.py builds and runs it",
@@ -109,7 +108,6 @@ def words_of(command, folder):
         words[words.index("--time") + 1] = "0 ms"
     if words[0] in ("run", "sweep", "study") and "--help" not in words:
         stop = STOPS.get(words[1], "2 deg" if "step" not in command else "8 deg")
-        stop = "360 deg" if "modal_velocity" in command else stop  # of a revolution of noise
         words += ["--output", "results/swapped"] if "--bodies" in words else []  # no mesh
         words += ["--set", f"time.stop={stop}"] if stop else []
     return [str(file) for word in words for file in (folder.glob(word) if "*" in word else [word])]

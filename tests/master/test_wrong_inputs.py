@@ -121,7 +121,6 @@ COMMANDS = [
     "results snapshot good.h5 --participant left --time '24 deg' --output kept.json",
     "results snapshot good.h5 --participant left --time 'max left.disp' --output kept.json",
     "results recover good.h5 --time '1 ms'",
-    "results noise good.h5",
     "fmu build ehd --grid 2x2",
     "fmu build ehd --grid axb",
     "fmu build ehd --native --platform amiga",
