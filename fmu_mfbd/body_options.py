@@ -42,6 +42,9 @@ Frequency = Annotated[float, in_unit("Hz")]
 Number = Annotated[float, in_unit("1")]
 
 
+Expansion = Annotated[float, in_unit("1/K")]
+
+
 LengthUnit = Annotated[float, in_unit("m", alone=True)]
 AngleUnit = Annotated[float, in_unit("rad", alone=True)]
 PressureUnit = Annotated[float, in_unit("Pa", alone=True)]
@@ -50,6 +53,8 @@ MassUnit = Annotated[float, in_unit("kg", alone=True)]
 TimeUnit = Annotated[float, in_unit("s", alone=True)]
 AngularSpeedUnit = Annotated[float, in_unit("rad/s", alone=True)]
 """Units of the numbers of a file, "mm" or "1 mm"."""
+WITH_MATERIALS = (".inp", ".bdf", ".nas", ".fem", ".dat", ".cdb")
+"""Suffixes of mesh files that may have materials."""
 FILE = "file"
 """Mark of an option that names a file."""
 
@@ -195,7 +200,21 @@ class RigidBlock(BaseModel):
     """Radius of the bore."""
 
 
-class Body(PlacedMesh):
+class MaterialOptions(BaseModel):
+    """Material of a set of elements. An omitted value is that of the body or of the mesh file."""
+
+    model_config = STRICT
+    density: Annotated[Density, Field(ge=500, le=25000)] | None = None
+    """Density of the material."""
+    young: Annotated[Pressure, Field(ge=1e8, le=1e12)] | None = None
+    """Young's modulus."""
+    poisson: Annotated[Number, Field(ge=0, lt=0.5)] | None = None
+    """Poisson's ratio."""
+    expansion: Annotated[Expansion, Field(ge=0, le=1e-4)] | None = None
+    """Coefficient of thermal expansion."""
+
+
+class Body(PlacedMesh, MaterialOptions):
     """Options of a body.
 
     `stiffness` and `mass` are matrices of another program (`matrices.read_matrix`). They replace
@@ -219,12 +238,10 @@ class Body(PlacedMesh):
     """Data sheet of a rigid body. It replaces the mesh."""
     surfaces: dict[str, Surface] = {}
     """Surfaces defined by geometry, for a mesh file that does not name them."""
-    density: Annotated[Density, Field(ge=500, le=25000)] | None = None
-    """Density of the material."""
-    young: Annotated[Pressure, Field(ge=1e8, le=1e12)] | None = None
-    """Young's modulus."""
-    poisson: Annotated[Number, Field(ge=0, lt=0.5)] | None = None
-    """Poisson's ratio."""
+    materials: dict[str, MaterialOptions] = {}
+    """Materials of sets of elements, by the name of a set, a part or a material of the mesh file.
+    Other elements have the material of the body, or else that of the mesh file.
+    """
     stiffness: Annotated[str | None, FILE] = None
     """Stiffness matrix of another program (.mtx, .pch, .bdf)."""
     mass: Annotated[str | None, FILE] = None
@@ -294,11 +311,16 @@ class Body(PlacedMesh):
             needed = ("stiffness", "stiffness_unit", "mass", "mass_unit")
         else:
             what = "a mesh"
-            needed = ("density", "young", "poisson")
+            needed = () if self._materials_of_file() else ("density", "young", "poisson")
         missing = [key for key in needed if getattr(self, key) is None]
         if self.mesh is not None and missing:
             raise ValueError(missing_keys(missing, f"with {what}"))
         return self
+
+    def _materials_of_file(self) -> bool:
+        """Return whether the material may be that of sets, or of a mesh file with materials."""
+        name = (self.mesh or "").removesuffix(".gz").removesuffix(".xz")
+        return bool(self.materials) or name.endswith(WITH_MATERIALS)
 
     def _check_selection(self, candidates: int) -> None:
         """Raise ValueError unless `modes` can be selected from the lowest modes of the basis."""

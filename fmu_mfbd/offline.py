@@ -225,15 +225,16 @@ def _skin(name, whole):
 
 def _stress_at(anatomy: Anatomy, nodes: np.ndarray) -> np.ndarray | None:
     """Return the stress at some nodes by modal coordinate, from the elements around them."""
-    if not (len(anatomy.tets) and np.isfinite(anatomy.young) and anatomy.shapes.shape[2]):
+    if not (len(anatomy.tets) and np.isfinite(anatomy.young).all() and anatomy.shapes.shape[2]):
         return None
-    tets = anatomy.tets[np.isin(anatomy.tets, nodes).any(axis=1)]
-    used, renumbered = np.unique(tets, return_inverse=True)
-    tets = renumbered.reshape(tets.shape)
-    stress = corner_stress(
-        anatomy.points[used], tets, anatomy.shapes[used], anatomy.young, anatomy.poisson
+    rows = np.isin(anatomy.tets, nodes).any(axis=1)
+    young, poisson = (
+        one[rows] if np.ndim(one) else one for one in (anatomy.young, anatomy.poisson)
     )
-    return nodal_stress(tets, stress)[np.searchsorted(used, nodes)]
+    used, tets = np.unique(anatomy.tets[rows], return_inverse=True)
+    tets = tets.reshape(-1, anatomy.tets.shape[1])
+    stress = corner_stress(anatomy.points[used], tets, anatomy.shapes[used], young, poisson)
+    return nodal_stress(tets, stress, young)[np.searchsorted(used, nodes)]
 
 
 def reduce(

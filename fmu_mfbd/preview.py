@@ -31,7 +31,7 @@ from .dynamics.pin_axis import pin_beam
 from .dynamics.thermal_growth import Radii
 from .finite_elements.connections import aspect_ratios
 from .finite_elements.element import mass_properties, rigid_mass
-from .finite_elements.mesh import MeshFault
+from .finite_elements.mesh import Mesh, MeshFault
 from .geometry.grid import cell_centres
 from .input_tables import read_tables
 from .options import Build, read_options
@@ -53,11 +53,11 @@ from .preview_temperatures import (
 from .reduction.bosses import boss_readings
 from .reduction.geometry import block_faults, cylinder_faults, pin_bore, piston_faults
 from .reduction.interpolation import covered
-from .reduction.reduce import ends, faults_of_modes, read_surfaces, refuse
+from .reduction.reduce import ends, faults_of_modes, read_body, refuse
 from .reduction.reduced_body import SMALL_END, MeshProperties, ReducedBlock, load
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.shell import film_shell, shell_mesh
-from .reduction.symmetry import mirror_image
+from .reduction.symmetry import is_mirrored
 from .reduction.ties import pin_layer, tie_of
 from .thrust_symmetry import claims
 
@@ -111,7 +111,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         reasons = [
             f"{name}.mesh (nodes differ from their mirror image)"
             for name, body, mesh in sides
-            if body.modes and mesh and mirror_image(mesh.points, 2) is None
+            if body.modes and mesh and not is_mirrored(mesh, 2)
         ]
         wrong += [rejection(claim, reasons) for claim in assumed if reasons]
     prepared = options_ahead(build, tables)
@@ -201,10 +201,10 @@ def _piston(build: Build, warnings: list[str]) -> BodyPreview:
         except ValueError:  # a file without them
             warnings.append(f"{options.reduced}: does not say where the skirt is: film everywhere")
         return BodyPreview(body, skirt)
-    mesh = read_surfaces(options, ("skirt", "crown", "pin_bore"), warnings.append)
+    mesh = read_body(options, warnings.append)
     mass = None
-    if options.density:
-        mass = mass_properties(rigid_mass(mesh.points, mesh.tets, options.density))
+    if mesh.material:
+        mass = mass_properties(rigid_mass(mesh.points, mesh.tets, mesh.material.density))
         found = piston_faults(mesh, mass.mass, options.pin_offset)
     else:
         found = cylinder_faults(mesh, "skirt")
@@ -238,7 +238,7 @@ def _block(build: Build, warnings: list[str]) -> BodyPreview:
         return BodyPreview(rigid_block(options, build.grid))
     if options.reduced:
         return BodyPreview(load(ReducedBlock, Path(options.reduced)))
-    mesh = read_surfaces(options, ("bore", "bolts"), warnings.append)
+    mesh = read_body(options, warnings.append)
     refuse(block_faults(mesh), options)
     lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
     angle, _ = cell_centres(build.grid[0], 1, 0.0, 1.0)
@@ -283,7 +283,23 @@ def _of_mesh(part: str, sized: BodyPreview) -> list[Figure]:
     worst = int(ratios.argmax())
     x, y, z = 1e3 * sized.mesh.points[sized.mesh.tets[worst, :4]].mean(axis=0)
     source = f"1 is regular; element {worst + 1} at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
-    return [Figure(part, "worst_aspect_ratio", float(ratios[worst]), "1", source)]
+    figures = [Figure(part, "worst_aspect_ratio", float(ratios[worst]), "1", source)]
+    return figures + _of_materials(part, sized.mesh)
+
+
+def _of_materials(part: str, mesh: Mesh) -> list[Figure]:
+    """Return the mass of each set of elements with its material, if there are several."""
+    figures = []
+    material = mesh.material
+    for name in material.names() if material else ():
+        rows = np.flatnonzero(material.name == name)
+        young, poisson, density, expansion = (one[rows[0]] for one in material[:4])
+        source = f"{len(rows)} elements, {density:.4g} kg/m3, {1e-9 * young:.4g} GPa, {poisson:.3g}"
+        if np.isfinite(expansion):
+            source += f", {1e6 * expansion:.3g}e-6 1/K"
+        mass = rigid_mass(mesh.points, mesh.tets[rows], material.density[rows])[0, 0]
+        figures.append(Figure(part, f"mass_of_{name}", float(mass), "kg", source))
+    return figures
 
 
 def _of_films(

@@ -8,16 +8,28 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .deck import Deck, MeshFault, Selection, lines_of, real, rows_by_number, rows_of, tetrahedra
+from .deck import (
+    Deck,
+    MeshFault,
+    Selection,
+    first_rows,
+    lines_of,
+    real,
+    rows_by_number,
+    rows_of,
+    tetrahedra,
+)
 
 FACES = {"S1": (0, 1, 2), "S2": (0, 3, 1), "S3": (1, 3, 2), "S4": (2, 3, 0)}
 """Corners of a tetrahedron's faces by Abaqus' labels."""
+PROPERTIES = {"ELASTIC": ("young", "poisson"), "DENSITY": ("density",), "EXPANSION": ("expansion",)}
+"""Properties in the first columns of a keyword of a material."""
 GENERATED = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "PARAMETER", "SYSTEM")
 """Keywords that make or move nodes and elements."""
 NODES = {
@@ -162,6 +174,9 @@ def read_abaqus(path: Path) -> Deck:
     parts: dict[str, Part] = {}
     instances: list[Part] = []
     current = root
+    properties: dict[str, dict[str, float]] = {}
+    remarks: list[str] = []
+    material = ""
     for keyword in _keywords(path):
         if keyword.name in GENERATED and keyword.lines:
             raise MeshFault(
@@ -175,9 +190,21 @@ def read_abaqus(path: Path) -> Deck:
             current = instances[-1]
         elif keyword.name in ("END PART", "END INSTANCE"):
             current = root
+        elif keyword.name == "MATERIAL":
+            material = keyword.need("NAME").upper()
+            properties[material] = {}
+        elif keyword.name in PROPERTIES and material:
+            if keyword.options.get("TYPE", "ISO").upper().startswith("ISO"):
+                rows = []
+                with suppress(ValueError):  # a parameter of the program; the value is then missing
+                    rows = [[real(cell) for cell in row if cell] for row in keyword.rows()]
+                own, remark = first_rows(PROPERTIES[keyword.name], rows, material)
+                properties[material] |= own
+                remarks += remark
         else:
             current.add(keyword)
-    return _Assembly([*(instances or parts.values()), root]).deck()
+    deck = _Assembly([*(instances or parts.values()), root]).deck()
+    return replace(deck, properties=properties, remarks=tuple(remarks))
 
 
 def _instance(keyword, parts):
@@ -298,7 +325,7 @@ class _Assembly:
                 if name in instances or not solids.keys().isdisjoint(keys)
             },
             self._materials(solids),
-            faults,
+            faults=faults,
         )
 
     def _instances(self):

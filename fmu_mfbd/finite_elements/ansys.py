@@ -7,6 +7,7 @@ elements and the names of bodies, and needs a compiled library.
 import re
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,6 +18,7 @@ from .deck import (
     Deck,
     MeshFault,
     Selection,
+    first_rows,
     real,
     rows_by_number,
     rows_of,
@@ -35,6 +37,16 @@ BRICKS = {"45": 8, "185": 8, "95": 20, "186": 20}
 """Numbers of nodes of the structural bricks, which repeat nodes to become tetrahedra."""
 OF_BRICK = (0, 1, 2, 4, 8, 9, 11, 16, 17, 18)
 """Nodes of a ten-node tetrahedron in a brick: I, J, K, M, and Q, R, T, Y, Z, A."""
+
+
+PROPERTIES = {
+    "EX": "young",
+    "NUXY": "poisson",
+    "PRXY": "poisson",
+    "DENS": "density",
+    "ALPX": "expansion",
+}
+"""Properties by their label in MP and MPDATA."""
 
 
 class Element(NamedTuple):
@@ -72,6 +84,7 @@ class _Archive:
         self.nodes: dict[str, list[int]] = {}
         self.components: dict[str, list[int]] = {}
         self.kinds: dict[str, str] = {}
+        self.properties: dict[tuple[str, str], list[float]] = {}
         body = ""
         lines = iter(text.splitlines())
         for line in lines:
@@ -82,6 +95,8 @@ class _Archive:
             elif command == "ET":
                 _, number_of_type, name, *_ = words
                 self.kinds[number_of_type] = re.sub(r"\D", "", name)
+            elif command in ("MP", "MPDATA"):
+                self._add_property(command, words[1:])
             elif command == "ETBLOCK":
                 (width,) = _format(r"\d*i(\d+)", next(lines))
                 rows = _rows(lines, width, 2)  # key options follow
@@ -97,6 +112,37 @@ class _Archive:
                 nodes = kind.upper().startswith("NODE")
                 members = _component(lines, int(count))
                 (self.nodes if nodes else self.components)[name] = members
+
+    def _add_property(self, command, words):
+        """Add a property of a material: MP, label, material, values, or MPDATA with their index.
+
+        MPDATA may have a release and the number of values in front of the label.
+        """
+        if words[0].upper().startswith("R") and words[0].upper() not in PROPERTIES:
+            words = words[2:]
+        label, material, *values = words
+        first = 1 if command == "MPDATA" else 0
+        if label.upper() in PROPERTIES and material.isdigit():
+            key = f"MAT {material}", PROPERTIES[label.upper()]
+            numbers = []
+            with suppress(ValueError):  # a parameter of the program; the value is then missing
+                numbers = [real(text) for text in values[first:] if text]
+            if command == "MP":
+                numbers = numbers[:1] + [one for one in numbers[1:] if one]
+            if command == "MPDATA" and values[:1] and values[0] not in ("", "1"):
+                self.properties.setdefault(key, []).extend(numbers)
+            else:
+                self.properties[key] = numbers
+
+    def materials(self) -> tuple[dict[str, dict[str, float]], list[str]]:
+        """Return the properties of each material, and remarks on those that are not constant."""
+        table: dict[str, dict[str, float]] = {}
+        remarks = []
+        for (material, name), values in self.properties.items():
+            own, remark = first_rows([name], [[value] for value in values], material)
+            table.setdefault(material, {}).update(own)
+            remarks += remark
+        return table, remarks
 
 
 def read_ansys(path: Path) -> Deck:
@@ -135,6 +181,8 @@ def read_ansys(path: Path) -> Deck:
             groups.setdefault(body, []).append(label)
     row = {label: row for row, label in enumerate(tets)}
 
+    properties, remarks = archive.materials()
+
     def selection(labels):
         rows = np.array([row[label] for label in labels if label in row], dtype=int)
         return Selection(rows, Counter(others[label] for label in labels if label in others))
@@ -154,6 +202,8 @@ def read_ansys(path: Path) -> Deck:
             if not row.keys().isdisjoint(labels)
         },
         materials=materials,
+        properties=properties,
+        remarks=tuple(remarks),
     )
 
 

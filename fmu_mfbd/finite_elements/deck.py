@@ -66,6 +66,8 @@ class Deck:
         Parts of the mesh by name.
     materials : sequence of str
         Material of each tetrahedron, empty if the file does not state it.
+    properties : dict of str to dict of str to float
+        young, poisson, density and expansion of each material, as far as the file has them.
     faults : dict of str to str
         Sets that the file does not define completely, with the reason.
     remarks : tuple of str
@@ -80,6 +82,7 @@ class Deck:
     other: Counter[str] = field(default_factory=Counter)
     parts: dict[str, Selection] = field(default_factory=dict)
     materials: Sequence[str] = ()
+    properties: dict[str, dict[str, float]] = field(default_factory=dict)
     faults: dict[str, str] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
 
@@ -106,10 +109,17 @@ class Deck:
             raise MeshFault(f"part: expected a part of the file ({names}), got {name!r}")
         rows = np.unique(part.tets)
         materials = [self.materials[row] for row in rows] if self.materials else ()
-        return replace(self, tets=self.tets[rows], other=part.other, materials=materials)
+        number = np.full(len(self.tets), -1)
+        number[rows] = np.arange(len(rows))
+        parts = {
+            key: one._replace(tets=number[one.tets][number[one.tets] >= 0])
+            for key, one in self.parts.items()
+        }
+        tets = self.tets[rows]
+        return replace(self, tets=tets, other=part.other, materials=materials, parts=parts)
 
     def completed(self) -> "Deck":
-        """Return the deck with all middle nodes, and with remarks about nodes and materials.
+        """Return the deck with all middle nodes, and with remarks about nodes.
 
         Raises
         ------
@@ -128,13 +138,6 @@ class Deck:
             remarks.append(
                 f"{omitted.sum()} midside nodes omitted in elements; each becomes that of a "
                 "neighbour or the middle of its straight edge"
-            )
-        materials = Counter(self.materials)
-        if len(materials) > 1:
-            counts = ", ".join(f"{name}: {count}" for name, count in materials.items())
-            remarks.append(
-                f"{len(materials)} materials (elements of {counts}); all elements get density, "
-                "young and poisson of the case, or select one body with the option part"
             )
         labels = self.labels
         used = np.unique(self.tets[~omitted])
@@ -255,6 +258,31 @@ def tetrahedra(elements: Sequence[Sequence[int]]) -> np.ndarray:
     """Return tetrahedra of four or ten nodes as an array, (e, 10), with -1 for omitted nodes."""
     rows = [[*nodes, *[-1] * (NODES - len(nodes))] for nodes in elements]
     return np.array(rows, dtype=np.int64).reshape(-1, NODES)
+
+
+def first_rows(
+    names: Sequence[str], rows: Sequence[Sequence[float]], material: str
+) -> tuple[dict[str, float], list[str]]:
+    """Return the properties in the first row of a table, and a remark if they are not constant.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Properties in the first columns; others follow, for example the temperature.
+    rows : sequence of sequence of float
+    material : str
+    """
+    if not rows:
+        return {}, []
+    count = len(names)
+    values = dict(zip(names, rows[0]))
+    if all(list(row[:count]) == list(rows[0][:count]) for row in rows):
+        return values, []
+    names_of = " and ".join(names)
+    return values, [
+        f"material {material}: {names_of} depend on temperature; the first of {len(rows)} rows "
+        "is used"
+    ]
 
 
 def lines_of(

@@ -3,7 +3,7 @@
 scikit-fem assembles the matrices and supplies the shape functions.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -14,6 +14,8 @@ from skfem import Basis, BilinearForm, ElementTetP2, MeshTet2
 EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
 Sparse: TypeAlias = Any
 """Sparse matrix; scipy has no types for it."""
+Value: TypeAlias = float | np.ndarray
+"""Property of a material: of the whole body, or of each element, (e,)."""
 NODES = ElementTetP2.doflocs
 """Reference coordinates of the ten nodes, shape (10, 3): corners, then the middles of `EDGES`."""
 CORNERS = 4
@@ -129,8 +131,10 @@ def element_basis(points: np.ndarray, tets: np.ndarray, rule: Quadrature) -> Nod
     return NodalBasis(basis, number)
 
 
-def stiffness(points: np.ndarray, tets: np.ndarray, young: float, poisson: float) -> Sparse:
+def stiffness(points: np.ndarray, tets: np.ndarray, young: Value, poisson: Value) -> Sparse:
     """Return the stiffness matrix of isotropic linear elasticity.
+
+    Elements of different materials are assembled separately and added.
 
     Eq. (M1):  K_(ia)(jb) = lambda D^ab_ij + mu D^ba_ij + mu delta_ab D^cc_ij,
                D^ab_ij = int N_i,a N_j,b dV,  lambda and mu by Eq. (M2)
@@ -145,8 +149,8 @@ def stiffness(points: np.ndarray, tets: np.ndarray, young: float, poisson: float
         Node positions [m].
     tets : ndarray of int, shape (e, 10)
         Corners, then edge nodes in the order of `EDGES`.
-    young, poisson : float
-        Young's modulus [Pa] and Poisson's ratio [-], 0 <= nu < 0.5.
+    young, poisson : float or ndarray, shape (e,)
+        Young's modulus [Pa] and Poisson's ratio [-], 0 <= nu < 0.5, of the body or of each element.
 
     Returns
     -------
@@ -157,7 +161,12 @@ def stiffness(points: np.ndarray, tets: np.ndarray, young: float, poisson: float
     ----------
     [Bathe2014] ch. 5. Checked against FElupe in tests/verification/test_mfbd.py.
     """
-    lame = lame_constants(young, poisson)
+    parts = by_material(len(tets), young, poisson)
+    return _sum(_stiffness(points, tets[rows], lame_constants(*values)) for rows, values in parts)
+
+
+def _stiffness(points: np.ndarray, tets: np.ndarray, lame: Lame) -> Sparse:
+    """Return the stiffness matrix of elements of one material."""
     pairs = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]
     forms = [lambda u, v, w, a=a, b=b: v.grad[a] * u.grad[b] for a, b in pairs]
     D = dict(zip(pairs, _assemble(points, tets, 3, forms)))
@@ -174,7 +183,7 @@ def stiffness(points: np.ndarray, tets: np.ndarray, young: float, poisson: float
     return whole[by_node].tocsc()[:, by_node]
 
 
-def lame_constants(young: float, poisson: float) -> Lame:
+def lame_constants(young: Any, poisson: Any) -> Lame:
     """Return Lame's constants for Young's modulus [Pa] and Poisson's ratio [-].
 
     Eq. (M2):  lambda = E nu / ((1 + nu)(1 - 2 nu)),  mu = E / (2 (1 + nu))
@@ -183,7 +192,31 @@ def lame_constants(young: float, poisson: float) -> Lame:
     return Lame(first, young / (2 * (1 + poisson)))
 
 
-def consistent_mass(points: np.ndarray, tets: np.ndarray, density: float) -> Sparse:
+def by_material(elements: int, *values: Value) -> list[tuple[Any, tuple[float, ...]]]:
+    """Return the rows of the elements of each material, and its values.
+
+    Parameters
+    ----------
+    elements : int
+        Number of elements.
+    *values : float or ndarray, shape (e,)
+        Properties of the body or of each element.
+    """
+    if all(np.ndim(one) == 0 for one in values):
+        return [(slice(None), tuple(map(float, values)))]
+    table = np.stack([np.broadcast_to(one, elements) for one in values], axis=1)
+    materials, number = np.unique(table, axis=0, return_inverse=True)
+    number = number.reshape(-1)
+    return [(np.flatnonzero(number == k), tuple(one)) for k, one in enumerate(materials.tolist())]
+
+
+def _sum(matrices: Iterable[Sparse]) -> Sparse:
+    """Return the sum of at least one matrix."""
+    first, *rest = matrices
+    return sum(rest, first)
+
+
+def consistent_mass(points: np.ndarray, tets: np.ndarray, density: Value) -> Sparse:
     """Return the consistent mass matrix.
 
     Eq. (M3):  M_(ia)(jb) = delta_ab int rho N_i N_j dV
@@ -196,19 +229,23 @@ def consistent_mass(points: np.ndarray, tets: np.ndarray, density: float) -> Spa
     points : ndarray, shape (n, 3)
         Node positions [m].
     tets : ndarray of int, shape (e, 10)
-    density : float
-        [kg/m3]
+    density : float or ndarray, shape (e,)
+        [kg/m3], of the body or of each element.
 
     Returns
     -------
     scipy.sparse.csc_matrix, shape (3 n, 3 n)
         [kg]; ordered as the stiffness.
     """
-    (scalar,) = _assemble(points, tets, 4, [lambda u, v, w: density * u * v])  # Eq. (M3)
+    scalar = _sum(
+        # Eq. (M3)
+        _assemble(points, tets[rows], 4, [lambda u, v, w, rho=rho: rho * u * v])[0]
+        for rows, (rho,) in by_material(len(tets), density)
+    )
     return each_direction(scalar)
 
 
-def rigid_mass(points: np.ndarray, tets: np.ndarray, density: float) -> np.ndarray:
+def rigid_mass(points: np.ndarray, tets: np.ndarray, density: Value) -> np.ndarray:
     """Return the mass matrix of a body's rigid motions about the origin, without assembly.
 
     Eq. (M13):  R^T M R = int rho R^T R dV      R: `rigid_motions`, here at each point of the volume
@@ -220,8 +257,8 @@ def rigid_mass(points: np.ndarray, tets: np.ndarray, density: float) -> np.ndarr
     points : ndarray, shape (n, 3)
         Node positions [m].
     tets : ndarray of int, shape (e, 10)
-    density : float
-        [kg/m3]
+    density : float or ndarray, shape (e,)
+        [kg/m3], of the body or of each element.
 
     Returns
     -------
@@ -292,7 +329,7 @@ def shape_functions(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def corner_stress(
-    points: np.ndarray, tets: np.ndarray, displacement: np.ndarray, young: float, poisson: float
+    points: np.ndarray, tets: np.ndarray, displacement: np.ndarray, young: Value, poisson: Value
 ) -> np.ndarray:
     """Return the stress in each element at its corners.
 
@@ -305,15 +342,15 @@ def corner_stress(
     tets : ndarray of int, shape (e, 10)
     displacement : ndarray, shape (n, 3) or (n, 3, k)
         One displacement or k of them, for example mode shapes [m].
-    young, poisson : float
-        [Pa], [-]
+    young, poisson : float or ndarray, shape (e,)
+        [Pa], [-], of the body or of each element.
 
     Returns
     -------
     ndarray, shape (e, 4, 6) or (e, 4, 6, k)
         xx, yy, zz, xy, yz, zx [Pa].
     """
-    lame = lame_constants(young, poisson)
+    first, shear = (np.asarray(one)[..., None] for one in lame_constants(young, poisson))
     basis, number = element_basis(points, tets, Quadrature(NODES[:CORNERS], np.ones(CORNERS)))
     nodal = np.empty_like(displacement)
     nodal[number] = displacement
@@ -323,8 +360,8 @@ def corner_stress(
         slope = np.stack([one.grad for one in fields])  # (a, b, e, 4)
         # Eq. (M4)
         strain = (slope + slope.swapaxes(0, 1)) / 2
-        pressure_part = lame.first * np.trace(strain) * np.eye(3)[:, :, None, None]
-        stress = 2 * lame.shear * strain + pressure_part
+        pressure_part = first * np.trace(strain) * np.eye(3)[:, :, None, None]
+        stress = 2 * shear * strain + pressure_part
         return np.stack([stress[a, b] for a, b in COMPONENTS], axis=2)
 
     if nodal.ndim == 2:
@@ -332,24 +369,37 @@ def corner_stress(
     return np.stack([of(one) for one in np.moveaxis(nodal, 2, 0)], axis=3)
 
 
-def nodal_stress(tets: np.ndarray, stress: np.ndarray) -> np.ndarray:
+def nodal_stress(tets: np.ndarray, stress: np.ndarray, young: Value = 0.0) -> np.ndarray:
     """Return the stress at the nodes: the mean of the elements, on edges the mean of the ends.
 
     A corner has five times as many elements as an edge, so its mean is smoother. Stress of ten-node
-    elements is linear within them.
+    elements is linear within them. Stress jumps between materials. A node between them has that of
+    the stiffest one.
 
     Parameters
     ----------
     tets : ndarray of int, shape (e, 10)
     stress : ndarray, shape (e, 4, ...)
         From `corner_stress` [Pa].
+    young : float or ndarray, shape (e,)
+        [Pa], of the body or of each element.
 
     Returns
     -------
     ndarray, shape (n, ...)
     """
-    corners, edges = tets[:, :CORNERS], tets[:, CORNERS:]
     nodes = int(tets.max()) + 1
+    first, *stiffer = by_material(len(tets), young)
+    total = _nodal_mean(tets[first[0]], stress[first[0]], nodes)
+    for rows, _ in stiffer:  # in ascending order
+        own = np.unique(tets[rows])
+        total[own] = _nodal_mean(tets[rows], stress[rows], nodes)[own]
+    return total
+
+
+def _nodal_mean(tets, stress, nodes):
+    """Return the mean stress of elements of one material at their nodes, (nodes, ...)."""
+    corners, edges = tets[:, :CORNERS], tets[:, CORNERS:]
     count = np.bincount(corners.ravel(), minlength=nodes)
     columns = stress.reshape(corners.size, -1).T
     sums = np.stack([np.bincount(corners.ravel(), one, nodes) for one in columns], axis=1)

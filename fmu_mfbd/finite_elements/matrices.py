@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from .element import Sparse, consistent_mass, rigid_motions, stiffness
+from .element import Sparse, Value, consistent_mass, rigid_motions, stiffness
 from .mesh import Mesh, MeshFault
 from .nastran import cards
 
@@ -21,8 +21,8 @@ class FullModel(NamedTuple):
     M: Sparse
 
 
-def assembled(mesh: Mesh, young: float, poisson: float, density: float) -> FullModel:
-    """Return a body of one material: [Pa], [-], [kg/m3]."""
+def assembled(mesh: Mesh, young: Value, poisson: Value, density: Value) -> FullModel:
+    """Return a body from its elements: [Pa], [-], [kg/m3], of the body or of each element."""
     K = stiffness(mesh.points, mesh.tets, young, poisson)
     return FullModel(mesh, K, consistent_mass(mesh.points, mesh.tets, density))
 

@@ -17,8 +17,9 @@ from ...master.fmi.errors import file_fault
 from .abaqus import read_abaqus
 from .ansys import read_ansys
 from .connections import corner_remarks, mesh_faults, outer_faces
-from .deck import Deck, MeshFault, entry, tetrahedra, text_of
+from .deck import Deck, MeshFault, Selection, entry, tetrahedra, text_of
 from .gmsh import read_gmsh
+from .materials import ElementSets, Material
 from .med import read_med
 from .nastran import read_nastran
 from .regions import Region
@@ -41,6 +42,10 @@ class Mesh:
     labels : ndarray of int, shape (n,), optional
         Numbers of the nodes in the mesh file. None if edge nodes were added, or if nodes of several
         instances have the same number.
+    sets : ElementSets
+        Sets of elements and materials of the mesh file.
+    material : Material, optional
+        Of the elements, if it is known.
     """
 
     points: np.ndarray
@@ -48,6 +53,8 @@ class Mesh:
     faces: dict[str, np.ndarray]
     members: dict[str, np.ndarray] = field(default_factory=dict)
     labels: np.ndarray | None = None
+    sets: ElementSets = ElementSets()
+    material: Material | None = None
 
     def nodes(self, name: str) -> np.ndarray:
         """Return the sorted node numbers of the named surface."""
@@ -118,7 +125,10 @@ def read_mesh(
         raise MeshFault([*faults, *(f"{path}: {hint}" for hint in hints)])
     for remark in corner_remarks(points, tets):
         say(f"{path}: {remark}")
-    return Mesh(points, tets, faces, labels=None if raw.labels is None else raw.labels[used])
+    members = {name: np.unique(one.tets) for name, one in raw.parts.items() if len(one.tets)}
+    sets = ElementSets(members, raw.materials, raw.properties, scale)
+    labels = None if raw.labels is None else raw.labels[used]
+    return Mesh(points, tets, faces, labels=labels, sets=sets)
 
 
 def _instead(raw: Deck, name: str, region: Region | None) -> str:
@@ -263,10 +273,21 @@ def _by_meshio(path: Path) -> Deck:
         {name: _faces_by_meshio(raw, name) for name in sorted(raw.cell_sets)},
         np.arange(1, len(raw.points) + 1),
         kinds,
+        {name: rows for name in sorted(raw.cell_sets) if len((rows := _solids(raw, name)).tets)},
     )
 
 
 TETRAHEDRA = ("tetra", "tetra10")
+
+
+def _solids(raw, name):
+    """Return the rows of the tetrahedra of a named group."""
+    rows, first = [np.empty(0, dtype=int)], 0
+    for cells, own in zip(raw.cells, raw.cell_sets[name]):
+        if cells.type in TETRAHEDRA:
+            rows.append(first + np.asarray(() if own is None else own, dtype=int))
+            first += len(cells.data)
+    return Selection(np.concatenate(rows))
 
 
 def _faces_by_meshio(raw, name):

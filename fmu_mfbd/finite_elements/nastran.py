@@ -71,7 +71,8 @@ class Card:
 def read_nastran(path: Path) -> Deck:
     """Read nodes and tetrahedra of a bulk data file and of the files that it includes.
 
-    A part has the number of its property. The material is that of PSOLID.
+    A part has the number of its property. The material is that of PSOLID, with the properties of
+    its MAT1, and WTMASS multiplies the density.
 
     Raises
     ------
@@ -84,6 +85,8 @@ def read_nastran(path: Path) -> Deck:
     elements: list[Card] = []
     solids: list[Card] = []
     materials: dict[int | None, str] = {}
+    properties: dict[str, dict[str, float]] = {}
+    weight = 1.0
     fluids: set[int | None] = set()
     other: Counter[str] = Counter()
     default = 0
@@ -103,6 +106,10 @@ def read_nastran(path: Path) -> Deck:
             materials[card.integer(0)] = f"MAT {card.get(1)}"
             if "FLUID" in card.get(6):
                 fluids.add(card.integer(0))
+        elif card.name == "MAT1":
+            properties[f"MAT {card.get(0)}"] = _properties(card)
+        elif card.name == "PARAM" and card.get(0) == "WTMASS":
+            weight = card.real(1)
         elif card.name in SOLIDS:
             solids.append(card)
         elif card.name in ("CTRIA3", "CTRIA6", "CTRIAR"):
@@ -139,7 +146,28 @@ def read_nastran(path: Path) -> Deck:
             for k, (rows, others) in members.items()
         },
         materials=known if any(known) else (),
+        properties={
+            name: own | {key: weight * own[key] for key in ("density",) if key in own}
+            for name, own in properties.items()
+        },
     )
+
+
+def _properties(card):
+    """Return the properties of a MAT1: two of E, G and nu, rho and the expansion.
+
+    Eq. (M24):  G = E/(2 (1 + nu))
+    """
+    young, shear, poisson, density, expansion = (
+        card.real(index) if card.get(index) else None for index in (1, 2, 3, 4, 5)
+    )
+    # Eq. (M24)
+    if poisson is None and young and shear:
+        poisson = young / (2 * shear) - 1
+    elif young is None and shear and poisson is not None:
+        young = 2 * shear * (1 + poisson)
+    own = {"young": young, "poisson": poisson, "density": density, "expansion": expansion}
+    return {key: value for key, value in own.items() if value is not None}
 
 
 def _given(card):

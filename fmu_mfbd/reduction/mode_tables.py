@@ -143,11 +143,11 @@ def recover(
     displacement = anatomy.shapes @ modal_coordinate  # Eq. (J12)
     fields = {"displacement": displacement}
     stress = peak = None
-    if len(anatomy.tets) and np.isfinite(anatomy.young):
+    if len(anatomy.tets) and np.isfinite(anatomy.young).all():
         in_elements = corner_stress(
             anatomy.points, anatomy.tets, displacement, anatomy.young, anatomy.poisson
         )
-        stress = nodal_stress(anatomy.tets, in_elements)
+        stress = nodal_stress(anatomy.tets, in_elements, anatomy.young)
         peak = stress_peak(anatomy, in_elements, stress)
         fields |= {"stress": stress, "von_mises": von_mises(stress)}
     if path is not None:

@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from ..body_options import MOST_MODES, Block, Piston
 from ..finite_elements.element import rigid_mass, rigid_motions
 from ..finite_elements.faces import face_load
+from ..finite_elements.materials import NEEDED, material_of, replaced
 from ..finite_elements.matrices import FullModel, assembled, matrix_faults, read_matrix
 from ..finite_elements.mesh import Mesh, MeshFault, axes_matrix, read_mesh
 from ..finite_elements.point_cloud import read_nodes
@@ -53,7 +54,7 @@ from .smooth_prior import (
     smooth_pressure_modes,
     surface_answers,
 )
-from .symmetry import ClassedModes, mirror_image, symmetric_modes
+from .symmetry import ClassedModes, is_mirrored, symmetric_modes
 from .ties import held_piston
 from .training import trained_shapes
 from .truncation import StaticModes, edge_error, left_out, smooth_error
@@ -157,9 +158,9 @@ def reduce_piston(
     MeshFault, ValueError
         If mesh, matrices, supports or number of modes are wrong.
     """
-    mesh = read_surfaces(options, ("skirt", "crown", "pin_bore"), progress)
+    mesh = read_body(options, progress)
     full = _matrices(mesh, options, progress)
-    mass = _rigid_mass(mesh, mesh.points, options, full)[0, 0]
+    mass = _rigid_mass(mesh, mesh.points, full)[0, 0]
     refuse(piston_faults(mesh, mass, options.pin_offset), options)
     lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
     progress(f"skirt from {1e3 * lower:.4g} to {1e3 * upper:.4g} mm about the pin, {mass:.4g} kg")
@@ -174,14 +175,14 @@ def reduce_piston(
             f"{np.count_nonzero(~there)} of {there.size} cells of the film grid have no skirt "
             "under them, and no film"
         )
-    properties = MeshProperties(_rigid_mass(mesh, position, options, full), around, there)
+    properties = MeshProperties(_rigid_mass(mesh, position, full), around, there)
     cylinder: dict[str, Any] = dict(
         radius=surface.radius, skirt_lower=lower, skirt_upper=upper, pin_offset=axis.first
     )
     if not options.modes:
         cylinder |= rigid_integrals(properties.rigid_mass) | no_modes_in_motion(around * along)
         body = ReducedPiston(**cylinder)
-        return Reduced(body, _anatomy(mesh, position, options), properties)
+        return Reduced(body, _anatomy(mesh, position), properties)
     assert full  # of a flexible body
     _, K, M = full
     gas = face_load(mesh.points, mesh.faces["crown"])
@@ -219,7 +220,7 @@ def reduce_piston(
         axial=surface.reading.axial @ modes.shapes,
         **cylinder,
     )
-    anatomy = _anatomy(mesh, position, options, shapes)
+    anatomy = _anatomy(mesh, position, shapes)
     in_bosses = _in_bosses(read, modes.shapes, bosses.grid) if read and bosses else None
     return Reduced(body, anatomy, properties, left, in_bosses)
 
@@ -259,7 +260,7 @@ def reduce_block(
     MeshFault, ValueError
         As for `reduce_piston`.
     """
-    mesh = read_surfaces(options, ("bore", "bolts"), progress)
+    mesh = read_body(options, progress)
     full = _matrices(mesh, options, progress)
     refuse(block_faults(mesh), options)
     around, along = grid
@@ -268,12 +269,12 @@ def reduce_block(
     heights = np.linspace(lower, upper, options.stations)
     surface = film_surface(mesh, "bore", angle, heights)
     no_skirt = np.zeros((around, 0), dtype=bool)
-    properties = MeshProperties(_rigid_mass(mesh, mesh.points, options, full), around, no_skirt)
+    properties = MeshProperties(_rigid_mass(mesh, mesh.points, full), around, no_skirt)
     cylinder: dict[str, Any] = dict(heights=heights, radius=surface.radius)
     if not options.modes:
         cylinder |= no_modes(around, len(heights))
         body = ReducedBlock(**cylinder)
-        return Reduced(body, _anatomy(mesh, mesh.points, options), properties)
+        return Reduced(body, _anatomy(mesh, mesh.points), properties)
     assert full  # of a flexible body
     _, K, M = full
     everywhere = np.ones(len(angle) * len(heights), dtype=bool)
@@ -293,7 +294,7 @@ def reduce_block(
         axial=(surface.reading.axial @ modes.shapes).reshape(table),
         **cylinder,
     )
-    return Reduced(body, _anatomy(mesh, mesh.points, options, shapes), properties, left)
+    return Reduced(body, _anatomy(mesh, mesh.points, shapes), properties, left)
 
 
 def refuse(faults: list[str], options: Piston | Block) -> None:
@@ -302,15 +303,16 @@ def refuse(faults: list[str], options: Piston | Block) -> None:
         raise MeshFault([f"{options.mesh}: {fault}" for fault in faults])
 
 
-def _anatomy(mesh, position, options, shapes=None):
+def _anatomy(mesh, position, shapes=None):
     """Return mesh and mode shapes, by default none, for pictures and recovery."""
+    material = mesh.material
     return Anatomy(
         points=position,
         tets=mesh.tets,
         skin=mesh.skin(),
         shapes=np.empty((*position.shape, 0)) if shapes is None else shapes,
-        young=options.young or np.nan,
-        poisson=np.nan if options.poisson is None else options.poisson,
+        young=material.young if material else np.nan,
+        poisson=material.poisson if material else np.nan,
     )
 
 
@@ -319,10 +321,10 @@ def _matrices(mesh, options, progress):
     return full_model(mesh, options, progress) if options.modes or options.mass else None
 
 
-def _rigid_mass(mesh, position, options, full):
+def _rigid_mass(mesh, position, full):
     """Return the mass matrix of the rigid motions about the origin of `position`, Eq. (J8)."""
     if full is None:
-        return rigid_mass(position, mesh.tets, options.density)
+        return rigid_mass(position, mesh.tets, mesh.material.density)
     rigid = rigid_motions(position)
     return rigid.T @ (full.M @ rigid)
 
@@ -343,6 +345,28 @@ def read_surfaces(options: Any, names: Iterable[str], say: Say) -> Mesh:
     return read_mesh(path, surfaces, *placed, options.part, say)
 
 
+SURFACES = {Piston: ("skirt", "crown", "pin_bore"), Block: ("bore", "bolts")}
+"""Surfaces of the mesh of a body."""
+
+
+def read_body(options: Piston | Block, say: Say) -> Mesh:
+    """Read the mesh or the nodes of a body with its surfaces and its material.
+
+    Raises
+    ------
+    MeshFault
+    """
+    mesh = read_surfaces(options, SURFACES[type(options)], say)
+    if not len(mesh.tets) or options.stiffness or options.mass:
+        return mesh
+    values = {key: getattr(options, key) for key in (*NEEDED, "expansion")}
+    tables = {name: one.model_dump() for name, one in options.materials.items()}
+    for sentence in replaced(mesh.sets, values):
+        say(f"{options.mesh}: {sentence}")
+    material = material_of(mesh.sets, len(mesh.tets), values, tables, f"{options.mesh}: ")
+    return replace(mesh, material=material)
+
+
 def full_model(mesh: Mesh, options: Piston | Block, progress: Say) -> FullModel:
     """Return a body with its matrices, from elements or from files.
 
@@ -354,9 +378,8 @@ def full_model(mesh: Mesh, options: Piston | Block, progress: Say) -> FullModel:
     freedoms = 3 * len(mesh.points)
     if not (options.stiffness and options.mass):
         progress(f"assembling {freedoms} degrees of freedom")
-        # options without matrices have a material
-        assert options.young and options.density and options.poisson is not None
-        return assembled(mesh, options.young, options.poisson, options.density)
+        assert (material := mesh.material)  # of a body without matrices
+        return assembled(mesh, material.young, material.poisson, material.density)
     labels = mesh.labels
     if labels is None:
         raise MeshFault(
@@ -439,7 +462,9 @@ def _modes(
     elastic.forget_factors()
     modes = orthonormal_modes(elastic, shapes)
     modes = Modes(elastic.full(modes.shapes), modes.omega)
-    classed = symmetric_modes(elastic, modes, mesh.points)
+    classed = ClassedModes(*modes, np.full(len(modes.omega), -1))
+    if is_mirrored(mesh, 0) and is_mirrored(mesh, 2):
+        classed = symmetric_modes(elastic, modes, mesh.points)
     if options.modes_from:
         classed = _selected(classed, film, answers.root, int(wanted))
     radial, axial = (one @ classed.shapes for one in film.reading)
@@ -522,7 +547,7 @@ def faults_of_modes(
     more = bosses.modes if bosses else 0
     patterns = more + pattern_count(angle, height, ALONG[surface], options.symmetric_film)
     faults = []
-    if options.symmetric_film and (len(angle) % 2 or mirror_image(mesh.points, 2) is None):
+    if options.symmetric_film and (len(angle) % 2 or not is_mirrored(mesh, 2)):
         faults.append(
             "symmetric_film: expected an even number of cells around and a mesh that is its own "
             f"mirror image about the thrust plane, got {len(angle)} cells and {len(mesh.points)} "

@@ -268,16 +268,16 @@ class Anatomy:
         Outer faces.
     shapes : ndarray, shape (n, 3, k)
         Modes [kg^-1/2].
-    young, poisson : float
-        [Pa], [-]; nan for a body of matrices.
+    young, poisson : float or ndarray, shape (e,)
+        [Pa], [-], of the body or of each element; nan for a body of matrices.
     """
 
     points: np.ndarray
     tets: np.ndarray
     skin: np.ndarray
     shapes: np.ndarray
-    young: float
-    poisson: float
+    young: float | np.ndarray
+    poisson: float | np.ndarray
 
 
 @dataclass(frozen=True)

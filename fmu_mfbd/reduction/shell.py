@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..finite_elements.materials import replaced
 from ..finite_elements.matrices import FullModel
 from ..finite_elements.mesh import Mesh, MeshFault
 from ..finite_elements.ring import Ring, ring_mesh
@@ -142,4 +143,7 @@ def shell_mesh(options: SmallEnd | RoundShell, film: ShellFilm, kind: ShellKind,
     if isinstance(options, RoundShell) and (ring := options.ring):
         length = ring.length or film.length
         return ring_mesh(Ring(ring.inside, ring.outside, length, ring.held, ring.cells))
-    return read_surfaces(options, (kind.bore, kind.held), say)
+    mesh = read_surfaces(options, (kind.bore, kind.held), say)
+    for sentence in replaced(mesh.sets, {"young": options.young, "poisson": options.poisson}):
+        say(f"{options.mesh}: {sentence}")
+    return mesh

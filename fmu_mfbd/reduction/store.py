@@ -32,6 +32,8 @@ FILES = ("mesh", "stiffness", "mass")
 """Options that name a file."""
 INCLUDE = re.compile(rb"(?im)^[ \t]*(?:\*[^\n]*\binput[ \t]*=|include[ \t])[ \t'\"]*([^'\",\r\n]+)")
 """Name of an included file in a deck of Abaqus or Nastran."""
+LATER_OPTIONS = ("part", "materials", "expansion")
+"""Options that are no part of a key if they have no value."""
 SOURCES = ("finite_elements", "geometry", "reduction")
 """Folders whose code determines a reduced body."""
 SHIPPED = MODELS / "bodies"
@@ -110,7 +112,7 @@ def _decided(
     options: Piston | Block, grid: Grid, training: Training | None, bosses: ShellFilm | None
 ) -> dict[str, Any]:
     """Return what determines a reduced body besides the code."""
-    later = {"profiles", "orders", "reduced", "train_on", "pin_offset", "shape"}
+    later = {"profiles", "orders", "reduced", "train_on", "pin_offset", "shape", "expansion"}
     if not options.modes:
         later |= IF_FLEXIBLE
     slides = isinstance(options, Piston) and options.tie in (None, "sliding")
@@ -129,8 +131,9 @@ def _decided(
 def contents(options: BaseModel, excluded: Collection[str] = ()) -> dict[str, Any]:
     """Return options, with the digest of the content of each file that they name."""
     out = options.model_dump(mode="json", exclude=set(excluded))
-    if out.get("part", "") is None:
-        del out["part"]  # shipped files have no such option
+    for key in LATER_OPTIONS:  # which shipped files do not have
+        if not out.get(key, True):
+            del out[key]
     for key in FILES:
         if out.get(key):
             out[key] = _digest(Path(out[key]))

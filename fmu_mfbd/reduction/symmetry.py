@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import KDTree
 
+from ..finite_elements.mesh import Mesh
 from .bases import Elastic, Modes, orthonormal_modes
 
 
@@ -35,6 +36,20 @@ def mirror_image(points: np.ndarray, axis: int) -> np.ndarray | None:
     flipped[:, axis] *= -1.0
     distance, image = KDTree(points).query(flipped)
     return np.asarray(image) if np.max(distance) <= 1e-6 * np.ptp(points) else None
+
+
+def is_mirrored(mesh: Mesh, axis: int) -> bool:
+    """Return whether the nodes of a mesh and of each of its materials are their mirror image."""
+    image = mirror_image(mesh.points, axis)
+    if image is None:
+        return False
+    names = mesh.material.names() if mesh.material else []
+    for name in names:
+        own = np.zeros(len(mesh.points), dtype=bool)
+        own[mesh.tets[mesh.material.name == name]] = True
+        if (own[image] != own).any():
+            return False
+    return True
 
 
 def class_parts(modes: np.ndarray, points: np.ndarray) -> list[np.ndarray] | None:

@@ -179,7 +179,7 @@ DECKS = {
     "utf16.inp": (ABAQUS, {}, ""),
     "include.inp": ("*INCLUDE, INPUT=mesh\\deck.txt\n*STEP\n", {}, ""),
     "midside_E.inp": (ABAQUS.replace("C3D10", "C3D10MT"), {}, ""),
-    "two_materials.inp": (ABAQUS + SECTIONS, {}, "2 materials .elements of ALU: 1, IRON: 1"),
+    "two_materials.inp": (ABAQUS + SECTIONS, {}, ""),
     "part_without_instance.inp": (f"*PART, NAME=P\n{ABAQUS}*END PART\n", {}, ""),
     "instance_with_mesh.inp": (
         f"*PART, NAME=P\n*END PART\n*INSTANCE, NAME=I, PART=P\n{ABAQUS}*END INSTANCE\n",
@@ -234,7 +234,7 @@ DECKS = {
         NASTRAN + grid(MIRROR, "", 21) + "CTETRA,2,2,21,22,23,24,25,26\n,27,28,29,30\n"
         "PSOLID,1,3\nPSOLID,2,4\n",
         {},
-        "elements of MAT 3: 1, MAT 4: 1",
+        "",
     ),
     "fluid.bdf": (NASTRAN + "PSOLID,1,3,,,,,PFLUID\n", None, "got 1 CTETRA of a fluid; only"),
     "unknown_system.bdf": (grid(NODES, 7) + CTETRA, None, "a known coordinate system, got 7"),
@@ -269,7 +269,7 @@ DECKS = {
         "",
     ),
     "no_corner.cdb": (ANSYS + solids((1, 1, [1, 2, 0, *TEN[3:]])), None, "four corners of each"),
-    "two_materials.cdb": (ANSYS + solids((1, 1, TEN), (1, 2, TEN)), {}, "MAT 1: 1, MAT 2: 1"),
+    "two_materials.cdb": (ANSYS + solids((1, 1, TEN), (1, 2, TEN)), {}, ""),
     "thermal.cdb": (ANSYS.replace("187", "87") + ONE, None, "got 1 SOLID87; only structural"),
     "repeated_nodes.cdb": (
         ANSYS.replace("187", "186")
