@@ -174,7 +174,7 @@ class Journal(Film):
     """A pin or a journal in a shell, on a grid of cells fixed to the shell.
 
     pin, shell : points on both axes. radius : of the pin [m]. grid : cells around and along.
-    outward, onward : modes of the shell's body on the grid, (cells, k); they are its last ones.
+    modes : of the shell's body on the grid, outward and onward, (cells, k) each; its last ones.
     axis : shapes of the pin at the rows, (rows, n). Its modes are their coordinates in space, along
     x and then along y.
     """
@@ -183,8 +183,7 @@ class Journal(Film):
     shell: Point
     radius: float
     grid: tuple[int, int]
-    outward: np.ndarray | None = None
-    onward: np.ndarray | None = None
+    modes: tuple[np.ndarray, np.ndarray] | None = None
     axis: np.ndarray | None = None
 
     def _position(self, q, v):
@@ -218,16 +217,17 @@ class Journal(Film):
         thickness = -out.T.ravel()
         cells = around * along
         closing, onward = closing.reshape(cells, -1), onward.reshape(cells, -1)
-        if self.outward is not None:
-            k = self.outward.shape[1]
+        if self.modes is not None:
+            outward, along_ = self.modes
+            k = outward.shape[1]
             last = self.shell.body.first + self.shell.body.size
-            modes = slice(last - k, last)
-            field_ = self.outward.reshape(around, along, k)
+            own = slice(last - k, last)
+            field_ = outward.reshape(around, along, k)
             slope = (np.roll(field_, -1, axis=0) - np.roll(field_, 1, axis=0)) * around / 4 / np.pi
-            closing[:, modes] += self.outward
-            closing += np.outer(slope.reshape(cells, k) @ q[modes], turning)
-            onward[:, modes] -= self.onward
-            thickness = thickness + self.outward @ q[modes]
+            closing[:, own] += outward
+            closing += np.outer(slope.reshape(cells, k) @ q[own], turning)
+            onward[:, own] -= along_
+            thickness = thickness + outward @ q[own]
         speed = np.full(cells, self.radius * (turning @ v))
         return Rates(closing, onward, thickness, speed)
 
