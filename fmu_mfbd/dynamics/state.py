@@ -76,10 +76,13 @@ def state_at(
     jerk: float,
     time: float,
     steps: int,
-    opening: float,
-    growth: np.ndarray,
+    growth: tuple[float, np.ndarray],
 ) -> PistonState:
-    """Return the state a step [s] after another; the first steps remember no acceleration."""
+    """Return the state a step [s] after another; the first steps remember no acceleration.
+
+    `growth` is that of `thermal_opening` and that of `field_growth` [m].
+    """
+    opening, by_field = growth
     auxiliary = np.zeros(len(now.auxiliary)) if steps < FIRST_STEPS else now.auxiliary
     mean_velocity = np.zeros(len(auxiliary))
     if step > 0.0:
@@ -102,7 +105,7 @@ def state_at(
         steps,
         opening,
         np.zeros((0, 0)),
-        growth,
+        by_field,
     )
 
 

@@ -292,7 +292,8 @@ def result_of(
     growth = field_growth(system.surfaces, model.radii, settings, inputs.fields)
     for k in range(len(now.films.film_thickness)):
         now.films.film_thickness[k] += opening
-    state = state_at(before, step.coefficients.step, now, crank, jerk, time, steps, opening, growth)
+    warmth = opening, growth
+    state = state_at(before, step.coefficients.step, now, crank, jerk, time, steps, warmth)
     energy = EnergyAccount(now.ledger.axial_work, now.ledger.accounted, 0.0)
     warm_work = 0.0
     if steps > 0:

@@ -157,13 +157,13 @@ def _bodies_of(c):
         for j in range(k):
             coupling[0, i, j], coupling[1, i, j] = c.piston.B[i, j], c.piston.G[i, j]
     s, static = len(c.springs.stiffness), len(c.static.stiffness)
-    by_frame = np.empty((4, k + static))
+    T, turned = np.empty((2, k + static)), np.empty((2, k + static))
     for i in range(k):
-        by_frame[0, i], by_frame[1, i] = c.piston.T[X, i], c.piston.T[Y, i]
-        by_frame[2, i], by_frame[3, i] = c.piston.b[i], c.piston.g[i]
+        T[X, i], T[Y, i] = c.piston.T[X, i], c.piston.T[Y, i]
+        turned[0, i], turned[1, i] = c.piston.b[i], c.piston.g[i]
     for i in range(static):
-        by_frame[0, k + i], by_frame[1, k + i] = c.static.T[X, i], c.static.T[Y, i]
-        by_frame[2, k + i], by_frame[3, k + i] = c.static.b[i], c.static.g[i]
+        T[X, k + i], T[Y, k + i] = c.static.T[X, i], c.static.T[Y, i]
+        turned[0, k + i], turned[1, k + i] = c.static.b[i], c.static.g[i]
     springs = np.empty((2, k + s))
     for i in range(k):
         springs[0, i], springs[1, i] = c.piston.stiffness[i], c.piston.damping[i]
@@ -175,9 +175,9 @@ def _bodies_of(c):
         S,
         modes[0],
         modes[1],
-        by_frame[:2].copy(),
-        by_frame[2],
-        by_frame[3],
+        T,
+        turned[0],
+        turned[1],
         coupling.reshape(2 * k * k),
         springs[0],
         springs[1],

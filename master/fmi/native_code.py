@@ -49,6 +49,17 @@ OPTIMISATION = 3  # LLVM's level
 AT_FIRST = 1  # before references are counted: enough to bring those of one kernel together
 
 
+class Lengths(NamedTuple):
+    """Positions of the lengths of an entry's arrays."""
+
+    real: int = 0
+    integer: int = 1
+    memory: int = 2
+    numbers: int = 3
+
+
+LENGTHS = Lengths()
+
 OPEN = {
     "memory": {"NRT_MemInfo_alloc_aligned", "NRT_MemInfo_call_dtor", "memcpy", "memset"},
     "shapes": {"numba_attempt_nocopy_reshape"},
@@ -203,12 +214,12 @@ def module_text(package: str, part: Any) -> str:
         run = entry.callee
 
         def call(real: Any, integer: Any, memory: Any, numbers: Any, lengths: Any) -> None:
-            n = carray(lengths, 4)
+            n = carray(lengths, len(LENGTHS))
             run(  # noqa: B023 - compiled before the next one comes
-                carray(real, n[0]),
-                carray(integer, n[1]),
-                carray(memory, n[2]),
-                carray(numbers, n[3]),
+                carray(real, n[LENGTHS.real]),
+                carray(integer, n[LENGTHS.integer]),
+                carray(memory, n[LENGTHS.memory]),
+                carray(numbers, n[LENGTHS.numbers]),
             )
 
         with global_compiler_lock:

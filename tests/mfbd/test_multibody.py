@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, assemble, assemble_floating
+from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, assemble, assemble_films
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import AxisParameters, PinParameters
@@ -183,7 +183,7 @@ def fmu_model(case):
         pin = dataclasses.replace(built.floating_pin, pin_shapes=SHAPES)
         built, axis = dataclasses.replace(built, floating_pin=pin), AXIS
     own = OwnParameters(PinParameters(), axis, crank={name: OWN[name] for name in names})
-    return assemble_floating(parts, built, P, own)
+    return assemble_films(parts, built, P, own)
 
 
 def stepped(case, step, end):

@@ -21,7 +21,7 @@ from piston_cosim.fmu_mfbd.reduction.film_loads import (
     recorded_loads,
 )
 from piston_cosim.fmu_mfbd.reduction.interpolation import SurfaceReading, covered
-from piston_cosim.fmu_mfbd.reduction.reduce import film_surface, full_model, read_surfaces
+from piston_cosim.fmu_mfbd.reduction.reduce import film_surface, full_model, read_body
 from piston_cosim.fmu_mfbd.reduction.reduced_body import (
     MissingShapes,
     ReducedBlock,
@@ -67,7 +67,7 @@ def skirt(coarse):
     """Return the small piston's elastic body, the reading of its skirt and S of Eq. (J31)."""
     folder, options = coarse
     piston = read_options(options, folder).piston
-    mesh = read_surfaces(piston, ("skirt", "crown", "pin_bore"), quiet)
+    mesh = read_body(piston, quiet)
     _, K, M = full_model(mesh, piston, quiet)
     heights = mesh.points[mesh.nodes("skirt"), 1]
     angle, height = cell_centres(*GRID, heights.min(), heights.max())
