@@ -454,7 +454,6 @@ def fit_of(bodies: ReducedBodies, options: BuildOptions, radii: Mapping[str, flo
         radii.get("small_end", 0.0),
         radii.get("big_end", 0.0),
         radii.get("main_bearing", 0.0),
-        piston.omega.max(initial=0.0) / (2 * np.pi),
         options.speed is not None,
         options.floating_pin is not None,
         "big_end" in films,

@@ -273,6 +273,7 @@ MODELS = {
     "bending, bosses, eye": all_that_yields,
     "block": block_model,
     "all flexible": lambda: crank_model(yielding=True, shapes=3),
+    "static": lambda: crank_model(yielding=True, shapes=3, quasi_static_frequency=4e3),
 } | {
     "+".join(names) + " that yield" * yielding: lambda n=names, y=yielding: crank_model(n, y)
     for names in SETS

@@ -11,9 +11,24 @@ import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
+from piston_cosim.fmu_mfbd.dynamics.instant import gas_on_modes, load_of, of_skirt, on_modes
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, stacked
-from piston_cosim.fmu_mfbd.dynamics.skirt_films import forces_by_film, together
+from piston_cosim.fmu_mfbd.dynamics.pin_films import held_forces
+from piston_cosim.fmu_mfbd.dynamics.skirt_films import (
+    AxialMotion,
+    forces_by_film,
+    skirt_films,
+    together,
+)
+from piston_cosim.fmu_mfbd.dynamics.slider_crank import height
+from piston_cosim.fmu_mfbd.dynamics.step import others_at
+from piston_cosim.fmu_mfbd.dynamics.system import skirt_modes
 from piston_cosim.fmu_mfbd.geometry.pin import turned
+from piston_cosim.fmu_mfbd.mechanism.cylinder import piston_of
+from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
+from piston_cosim.fmu_mfbd.mechanism.inertia import frame_state
+from piston_cosim.fmu_mfbd.mechanism.loads import loads_at
+from piston_cosim.fmu_mfbd.mechanism.motion import chain_motion
 
 from .differences import products_by_differences, rough_change
 from .pin_models import (
@@ -32,8 +47,29 @@ from .pin_models import (
     rough_inputs,
     rough_way,
     stiff_is_rigid,
+    yielding_bodies,
 )
 from .test_crank_films import Points, second_derivative
+
+
+def forces_of_all(model, inputs):
+    """Return the forces of all elements of a chain at the end of the last step."""
+    given, system, guided = stacked(inputs), model.system, model._last.guided
+    others = others_at(model.model, given, model._last.crank)
+    skirt = together(forces_by_film(system, guided, given.skirt))
+    held = held_forces(system, load_of(system, skirt, others, on_modes(skirt)), given.pins)
+    held.modal[: skirt_modes(system)] += gas_on_modes(system, guided, others)
+    return held
+
+
+def on_slopes(model, inputs):
+    """Return the axial force of the films on the slopes of the bore [N]."""
+    given, system, last = stacked(inputs), model.system, model._last
+    crank = AxialMotion(last.guided, 0.0)
+    parts = forces_by_film(system, last.guided, given.skirt)
+    way = of_skirt(system, last.now.position), of_skirt(system, last.now.velocity)
+    return skirt_films(system, crank, given.skirt, parts, 0.0, *way).on_slopes
+
 
 # ---- a flexible block
 
@@ -125,3 +161,66 @@ def test_forces_on_a_mounted_block_change_the_momentum_in_space():
     drive = out["crank_torque"] - model.model.settings.crank_inertia * crank.acceleration
     arm = PARAMETERS.rod_length
     assert out["moment_on_block"] == pytest.approx(drive - moment, abs=1e-6 * size * arm)
+
+
+# ---- a free crank
+
+
+@pytest.mark.parametrize("name", ["rigid", "all flexible"])
+def test_torques_on_a_free_crank_balance_with_a_floating_pin(name):
+    """The acceleration of the crank is that at which its torque is the load, Eq. (K9).
+
+    Forces in the chain are computed again at this acceleration.
+    """
+    model = MODELS[name]()
+    settings = model.model.settings._replace(crank_free=1.0)
+    model.model = model.model._replace(settings=settings)
+    load, crank = 30.0, None
+    for k in range(6):
+        inputs = replace(rough_inputs(model, k), load_torque=load)
+        if k == 0:
+            state, out = model.start(0.3, 2e-6, 1e-4, inputs)
+        else:
+            state, out = model.advance(state, inputs, STEP)
+        assert out["crank_torque"] == -load
+        now, crank = model._last.now, model._last.crank
+        balanced = crank._replace(acceleration=state.crank_acceleration)
+        held = forces_of_all(model, inputs)
+        loads = loads_at(model.chain, held, chain_motion(model.chain.joints, now, balanced), now)
+        needed = chain_forces(model.chain, loads, now, balanced, FIXED).torque
+        upright = height(model.system.mechanism, 0.0, crank.angle)
+        needed -= on_slopes(model, inputs) * upright.lever
+        size = settings.crank_inertia * abs(state.crank_acceleration) + load
+        lack = needed + settings.crank_inertia * state.crank_acceleration + load
+        assert abs(lack) <= 1e-9 * (size + abs(needed))
+        assert k == 0 or abs(state.crank_acceleration - crank.acceleration) > 1e-3
+
+
+def test_a_heavy_free_crank_turns_at_a_given_speed():
+    plain, heavy = (crank_model(yielding=True, crank_inertia=one) for one in (0.02, 1e9))
+    heavy.model = heavy.model._replace(settings=heavy.model.settings._replace(crank_free=1.0))
+    (_, wanted), (_, out) = rough_way(plain, 5), rough_way(heavy, 5)
+    for name in ("film_thickness", "lateral_velocity", "pin_force_x", "main_bearing_force_y"):
+        name = "skirt.film_thickness" if name == "film_thickness" else name
+        np.testing.assert_allclose(out[name], wanted[name], rtol=1e-7)
+
+
+# ---- modes without inertia
+
+
+def test_static_modes_follow_their_forces_with_a_floating_pin():
+    """Each mode is where its spring balances films, gas and the frame's acceleration (Eq. (D6)).
+
+    All modes of the piston and of the block are static. Their forces are those of the other tests.
+    """
+    model = crank_model(yielding=True, shapes=3, quasi_static_frequency=0.0)
+    state, out = rough_way(model, 5)
+    inputs, last = rough_inputs(model, 4), model._last
+    own = forces_of_all(model, inputs).modal
+    frame = frame_state(last.linear.forces.inertia.frames, piston_of(model.chain))
+    piston, _, bosses, _ = yielding_bodies()
+    slopes = frame.ax * piston.T[0] + frame.ay * piston.T[1]
+    slopes = slopes + frame.alpha * piston.g - frame.w**2 * piston.b
+    omega = np.array([*piston.omega, *flexible_block().omega])
+    wanted = (own[: len(omega)] - [*slopes, *np.zeros(BLOCK_MODES)]) / omega**2
+    np.testing.assert_allclose(out["modal_coordinate"], wanted, rtol=1e-9)

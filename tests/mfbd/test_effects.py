@@ -79,7 +79,7 @@ NONE = {
     "outside": RIGID | WARNED,
 }
 FRICTION = {"pin_friction_coefficient", "pin_friction_speed", "pin_friction_damping"}
-REJECTED = dict.fromkeys(("floating", "bending", "crank"), FRICTION | {"crank_free"})
+REJECTED = dict.fromkeys(("floating", "bending", "crank"), FRICTION)
 REJECTED["space"] = {"crank_free"}
 
 SIZE = {"Pa": 1e5, "N": 10.0, "N.m": 3.0, "m/s2": 50.0, "rad/s2": 100.0, "m": 1e-6}

@@ -84,6 +84,8 @@ def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3)):
 def test_bosses_and_shells_that_yield_are_those_of_the_model(tmp_path):
     """Both call numpy's products here, and each with the same numbers."""
     held(side_by_side(built(tmp_path), VALUES), 1e-12)
+    free = dict(crank_free=1, load_torque=30.0, crank_inertia=0.02, quasi_static_frequency=4e3)
+    held(side_by_side(tmp_path, VALUES | free), 1e-12)
 
 
 def test_parameters_that_do_not_fit_are_told_in_the_words_of_the_slave(tmp_path):
