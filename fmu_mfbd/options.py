@@ -236,7 +236,7 @@ class FloatingPin(BaseModel):
 
 
 class CrankBearing(BaseModel):
-    """Film between the crank and the rod or block, in addition to those of a floating pin.
+    """Film between the crank and the rod or block.
 
     Its surface has the fields of a bearing.
     """
@@ -294,10 +294,11 @@ class Common(BuildTable):
     boss_modes the piston is rigid.
     """
     big_end: CrankBearing | None = None
-    """Film between the rod and the crank pin, surface big_end. Requires floating_pin."""
+    """Film between the rod and the crank pin, surface big_end. The skirt is then the surface skirt.
+    """
     main_bearing: CrankBearing | None = None
     """Film between the crank and the block, surface main_bearing. The crank has its own mass, and
-    one bearing carries this cylinder. Requires floating_pin.
+    one bearing carries this cylinder. The skirt is then the surface skirt.
     """
     motion_in_space: MotionInSpace | None = None
     """Motion of the piston along its tied pin, with roll and yaw. Both bodies are rigid."""
@@ -321,9 +322,6 @@ class Common(BuildTable):
         for name, one in self.crank_films().items():
             if one.shell and (faults := shell_faults(f"{name}.shell.", one.shell.modes, one.grid)):
                 raise ValueError("\n".join(faults))
-        alone = [] if self.floating_pin else [*self.crank_films()]
-        if alone:
-            raise ValueError(f"floating_pin: expected a table with {', '.join(alone)}, got nothing")
         return self
 
     def crank_films(self) -> dict[str, CrankBearing]:
@@ -342,7 +340,7 @@ class Common(BuildTable):
     @model_validator(mode="after")
     def _apart(self):
         _, along = self.grid
-        taken = {*PIN_SURFACES, *self.crank_films()} if self.floating_pin else set()
+        taken = {*(PIN_SURFACES if self.floating_pin else ()), *self.crank_films()}
         below = 0
         for k, surface in enumerate(self.film_surfaces):
             first, last = surface.rows

@@ -244,7 +244,7 @@ def signals(options: BuildOptions) -> list[Variable]:
     pins = options.pin_grids()
     acting, answers = inputs(films, pins), outputs(films, modes, pins)
     pin = options.floating_pin
-    if pin:
+    if pins:
         answers = answers + declared(PinScalars, options.absent_parts())
     if pin and pin.small_end_modes:
         answers = answers + of_modes(EYE_MODES, pin.small_end_modes)
@@ -259,9 +259,8 @@ def signals(options: BuildOptions) -> list[Variable]:
         acting, answers = acting + [bore_input(outside)], answers + bore_outputs(outside)
     if options.in_space:
         answers = answers + declared(SpaceScalars)
-    kinds: list[type] = [PinParameters] * bool(pins) + [AxisParameters] * bool(
-        pin and pin.pin_shapes
-    )
+    kinds: list[type] = [PinParameters] * bool(pin)
+    kinds += [AxisParameters] * bool(pin and pin.pin_shapes)
     kinds += [CRANK_PARAMETERS[name] for name in options.crank_surfaces()]
     kinds += [SpaceParameters] * (options.in_space is not None)
     kinds += [WALL_PARAMETERS[name] for name in fixed_walls(walls)]

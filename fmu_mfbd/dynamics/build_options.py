@@ -241,7 +241,7 @@ class BuildOptions:
     in_space : InSpace, optional
         None: the piston moves in its plane.
     crank_bearings : tuple of CrankBearing
-        Beside a floating pin, in the order of `CRANK_SURFACES`.
+        In the order of `CRANK_SURFACES`.
     symmetric_film : bool
         Whether the modes assume that the film is its own mirror image about the thrust plane.
     temperatures : WallTemperatures, optional
@@ -288,6 +288,10 @@ class BuildOptions:
         """Return how names of outputs begin whose part of pin, eye or crank is absent."""
         pin = self.floating_pin
         parts = {
+            "pin_displacement": pin,
+            "pin_angle": pin,
+            "pin_rotation": pin,
+            "small_end": pin,
             "pin_tilt": pin and pin.pin_shapes,
             "pin_bending": pin and pin.pin_shapes,
             "small_end_widening": pin and pin.small_end_modes,

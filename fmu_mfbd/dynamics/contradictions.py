@@ -122,6 +122,8 @@ def check(fit: Fit, p: Settings, lacks_gas: bool, faults: np.ndarray) -> None:
         refuse(faults, FAULT.tilted, 0.0, 0.0, p.pin_tilt, 0.0, 0.0)
     if fit.floats:
         check_pin(fit, p, faults)
+    if fit.has_big_end or fit.has_main_bearing:
+        check_crank(fit, p, faults)
     lowest = np.inf
     highest = -np.inf
     for k in range(TURN):
@@ -137,7 +139,7 @@ def check(fit: Fit, p: Settings, lacks_gas: bool, faults: np.ndarray) -> None:
 
 @compilable
 def check_pin(fit: Fit, p: Settings, faults: np.ndarray) -> None:
-    """Note what does not go with a floating pin and films of the crank."""
+    """Note what does not go with a floating pin."""
     radius = pin_radius(fit.piston_radius, p)
     refuse_beside(faults, FAULT.not_of_bosses, radius, fit.boss_radius)
     if p.pin_mass == 0.0:
@@ -150,14 +152,18 @@ def check_pin(fit: Fit, p: Settings, faults: np.ndarray) -> None:
         if given != 0.0 and given != usual:
             refuse(faults, number, 0.0, 0.0, given, 0.0, 0.0)
     refuse_beside(faults, FAULT.not_of_eye, radius, fit.eye_radius)
+
+
+@compilable
+def check_crank(fit: Fit, p: Settings, faults: np.ndarray) -> None:
+    """Note what does not go with films of the crank."""
     refuse_beside(faults, FAULT.not_of_big_end, p.big_end_radius, fit.big_end_shell)
     refuse_beside(faults, FAULT.not_of_main_bearing, p.main_bearing_radius, fit.main_bearing_shell)
-    if fit.has_big_end or fit.has_main_bearing:
-        films = (1.0 if fit.has_big_end else 0.0) + (2.0 if fit.has_main_bearing else 0.0) - 1.0
-        if p.rod_mass == 0.0:
-            refuse(faults, FAULT.no_rod_mass_0 + films, 0.0, 0.0, 0.0, 0.0, 0.0)
-        if p.rod_inertia == 0.0:
-            refuse(faults, FAULT.no_rod_inertia_0 + films, 0.0, 0.0, 0.0, 0.0, 0.0)
+    films = (1.0 if fit.has_big_end else 0.0) + (2.0 if fit.has_main_bearing else 0.0) - 1.0
+    if p.rod_mass == 0.0:
+        refuse(faults, FAULT.no_rod_mass_0 + films, 0.0, 0.0, 0.0, 0.0, 0.0)
+    if p.rod_inertia == 0.0:
+        refuse(faults, FAULT.no_rod_inertia_0 + films, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @compilable

@@ -264,6 +264,23 @@ def crank_model(names=SETS[-1], yielding=False, young=1.0, shapes=0, **changes):
     return assemble_films(reduced, built, parameters, own)
 
 
+def tied_crank_model(names=SETS[-1], yielding=False, parameters=PARAMETERS):
+    """Return a model with a tied pin and films of the crank, if it yields in a flexible block."""
+    parameters = dataclasses.replace(parameters, crank_unbalance=UNBALANCE)
+    reduced, built = bodies(), options(False)
+    if yielding:
+        piston, *_ = yielding_bodies()
+        shells = {name: small_end(1.0, GRIDS[name], RADII[name]) for name in names}
+        reduced = ReducedBodies(piston, flexible_block(), None, shells)
+    modes = SHELL_MODES if yielding else 0
+    bearings = tuple(CrankBearing(name, GRIDS[name], 30e-3, modes=modes) for name in names)
+    built = dataclasses.replace(built, crank_bearings=bearings)
+    own = OwnParameters(crank={name: OWN[name] for name in names})
+    return assemble_films(reduced, built, parameters, own)
+
+
+RUBBING = dataclasses.replace(PARAMETERS, pin_friction_coefficient=0.05)
+
 MODELS = {
     "rigid": floating_model,
     "bosses": yielding_model,
@@ -273,6 +290,8 @@ MODELS = {
     "bending, bosses, eye": all_that_yields,
     "block": block_model,
     "all flexible": lambda: crank_model(yielding=True, shapes=3),
+    "tied": tied_crank_model,
+    "tied, rubbing, all flexible": lambda: tied_crank_model(yielding=True, parameters=RUBBING),
     "static": lambda: crank_model(yielding=True, shapes=3, quasi_static_frequency=4e3),
 } | {
     "+".join(names) + " that yield" * yielding: lambda n=names, y=yielding: crank_model(n, y)

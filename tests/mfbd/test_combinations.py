@@ -40,6 +40,7 @@ from .pin_models import (
     SETS,
     STEP,
     UNBALANCE,
+    Springs,
     block_model,
     crank_model,
     flexible_block,
@@ -47,6 +48,8 @@ from .pin_models import (
     rough_inputs,
     rough_way,
     stiff_is_rigid,
+    tied_crank_model,
+    tied_model,
     yielding_bodies,
 )
 from .test_crank_films import Points, second_derivative
@@ -224,3 +227,19 @@ def test_static_modes_follow_their_forces_with_a_floating_pin():
     omega = np.array([*piston.omega, *flexible_block().omega])
     wanted = (own[: len(omega)] - [*slopes, *np.zeros(BLOCK_MODES)]) / omega**2
     np.testing.assert_allclose(out["modal_coordinate"], wanted, rtol=1e-9)
+
+
+# ---- films of the crank with a tied pin
+
+
+def test_a_crank_without_films_is_the_limit_of_stiff_films_with_a_tied_pin():
+    """A crank on springs K in both bearings approaches the one without play at the rate 1/K."""
+    names = ("lateral_displacement", "rocking_angle", "side_force", "crank_torque")
+    plain = Springs(tied_model()).run(25)
+    apart = []
+    for stiffness in (8e9, 16e9):
+        ways = Springs(tied_crank_model(), stiffness).run(25), plain
+        mine, known = (np.array([[out[name] for name in names] for out in way]) for way in ways)
+        apart.append(np.abs(mine - known).max(axis=0) / np.abs(known).max(axis=0))
+    np.testing.assert_allclose(np.divide(*apart), 2.0, rtol=0.2)
+    assert np.max(apart[-1]) < 2e-2

@@ -45,6 +45,9 @@ MECHANISMS = {
     "floating": {"floating_pin": PIN},
     "bending": {"floating_pin": PIN | {"pin_shapes": 3}},
     "crank": {"floating_pin": PIN, "big_end": BEARING, "main_bearing": BEARING},
+    "tied crank": {"big_end": BEARING, "main_bearing": BEARING},
+    "free crank": {"floating_pin": PIN, "big_end": BEARING},
+    "mounted crank": {"floating_pin": PIN, "main_bearing": BEARING, "mounted": True},
     "space": {"motion_in_space": INERTIA},
     "mounted": {"mounted": True},
     "outside": {"block": BORE, "mounted": True},
@@ -74,12 +77,16 @@ NONE = {
     # its shapes are damped
     "bending": RIGID - {"damping_ratio", "high_frequency_damping_ratio"} | ON_BORE | WARNED | AXIAL,
     "crank": RIGID | ON_BORE | WARNED | AXIAL,
+    "tied crank": RIGID | ON_BORE | WARNED | AXIAL,
+    "free crank": RIGID | ON_BORE | AXIAL | {"crank_speed"},
+    "mounted crank": RIGID | ON_BORE | WARNED | AXIAL,
     "space": RIGID | ON_BORE | WARNED | STOPS,
     "mounted": RIGID | ON_BORE | WARNED,
     "outside": RIGID | WARNED,
 }
 FRICTION = {"pin_friction_coefficient", "pin_friction_speed", "pin_friction_damping"}
-REJECTED = dict.fromkeys(("floating", "bending", "crank"), FRICTION)
+FLOATING = ("floating", "bending", "crank", "free crank", "mounted crank")
+REJECTED = dict.fromkeys(FLOATING, FRICTION)
 REJECTED["space"] = {"crank_free"}
 
 SIZE = {"Pa": 1e5, "N": 10.0, "N.m": 3.0, "m/s2": 50.0, "rad/s2": 100.0, "m": 1e-6}
@@ -101,7 +108,7 @@ class Bodies:
         for file in files:
             shutil.copy(file, folder)
         (folder / "build.json").write_text(json.dumps(self.options))
-        self.folder, self.start = folder, FREE if kind == "free" else {}
+        self.folder, self.start = folder, FREE if kind.startswith("free") else {}
         self.variables = {one.name: one for one in Mfbd.variables(self.options)}
 
     def slave(self, values):

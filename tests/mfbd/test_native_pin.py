@@ -48,7 +48,7 @@ VALUES = {
 CRANK = {"big_end": (10, 3), "main_bearing": (8, 4)}
 
 
-def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3)):
+def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3), floats=True):
     """Folder of a slave's resources; bosses, block, eye and shells of the crank yield."""
     piston, _, bosses, _ = yielding_bodies()
     parts = {"piston": piston, "block": flexible_block(), "bosses": bosses}
@@ -73,7 +73,7 @@ def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3)):
         GRID,
         PistonOptions("piston.npz", MODES, 1e-3),
         BlockOptions("block.npz", BLOCK_MODES),
-        floating_pin=pin,
+        floating_pin=pin if floats else None,
         crank_bearings=crank,
         mounted=True,
     )
@@ -86,6 +86,12 @@ def test_bosses_and_shells_that_yield_are_those_of_the_model(tmp_path):
     held(side_by_side(built(tmp_path), VALUES), 1e-12)
     free = dict(crank_free=1, load_torque=30.0, crank_inertia=0.02, quasi_static_frequency=4e3)
     held(side_by_side(tmp_path, VALUES | free), 1e-12)
+
+
+def test_films_of_the_crank_with_a_tied_pin_are_those_of_the_model(tmp_path):
+    """Other parameters of pin and eye do not exist."""
+    rubbing = VALUES | {"pin_friction_coefficient": 0.05}
+    held(side_by_side(built(tmp_path, floats=False), rubbing), 1e-12)
 
 
 def test_parameters_that_do_not_fit_are_told_in_the_words_of_the_slave(tmp_path):
