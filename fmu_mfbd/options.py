@@ -477,23 +477,31 @@ def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
     faults = []
     if isinstance(piston.modes, float):
         if not boss_modes:
-            faults.append("floating_pin.boss_modes: expected at least 1 with piston.modes, got 0")
+            faults.append(
+                "floating_pin.boss_modes: expected at least 1 with piston.modes, got 0; modes of "
+                "the skirt alone miss the deflection of the bosses"
+            )
     elif not 0 < boss_modes < piston.modes:
         faults.append(
             f"floating_pin.boss_modes: expected 1 to {piston.modes - 1} of {piston.modes} modes, "
-            f"got {boss_modes}"
+            f"got {boss_modes}; modes of the skirt alone miss the deflection of the bosses"
         )
     if piston.tie not in (None, "rbe3"):
-        faults.append(f"piston.tie: expected 'rbe3' with floating_pin, got {piston.tie!r}")
+        faults.append(
+            f"piston.tie: expected 'rbe3' with floating_pin, got {piston.tie!r}; other ties hold "
+            "the bores on a rigid pin"
+        )
     if piston.boss_length is not None:
         got = f"{1e3 * piston.boss_length:g} mm"
         faults.append(
             f"piston.boss_length: expected nothing with floating_pin, got {got}; "
             "floating_pin.boss_length is that of the films"
         )
-    if piston.basis not in (films := ("smooth_pressure_modes", "pressure_modes")):
-        wanted = " or ".join(map(repr, films))
-        faults.append(f"piston.basis: expected {wanted} with floating_pin, got {piston.basis!r}")
+    if piston.basis in ("craig_bampton", "characteristic_constraint_modes"):
+        faults.append(
+            f"piston.basis: expected a basis of film pressures with floating_pin, got "
+            f"{piston.basis!r}; its modes miss the deflection of the bosses"
+        )
     return faults
 
 

@@ -512,7 +512,8 @@ def _film_shapes(
         return shapes
     psi = of_unit_energy(elastic, shapes)
     spread = sp.hstack([reading.radial.T, -reading.axial.T], format="csr")
-    most = MOST_MODES - psi.shape[1]
+    in_bosses = film.boss_films.modes if film.boss_films else 0
+    most = MOST_MODES - psi.shape[1] - in_bosses
     return np.hstack([trained_shapes(elastic, spread, film.training, psi, most), psi])
 
 

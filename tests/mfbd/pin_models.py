@@ -16,6 +16,7 @@ from piston_cosim.fmu_mfbd.dynamics.assembly import (
 )
 from piston_cosim.fmu_mfbd.dynamics.build_options import (
     BlockOptions,
+    BoreGrid,
     BuildOptions,
     CrankBearing,
     FloatingPin,
@@ -279,6 +280,14 @@ def tied_crank_model(names=SETS[-1], yielding=False, parameters=PARAMETERS):
     return assemble_films(reduced, built, parameters, own)
 
 
+def outside_model(parameters=PARAMETERS):
+    """Return a model of a floating pin in a mounted block whose bore deflects from outside."""
+    block = BlockOptions("", 0, bore_from_outside=BoreGrid(24, 64))
+    built = dataclasses.replace(options(True), block=block, mounted=True)
+    parameters = dataclasses.replace(parameters, **RINGS)
+    return assemble_films(bodies(), built, parameters, OwnParameters(PinParameters()))
+
+
 RUBBING = dataclasses.replace(PARAMETERS, pin_friction_coefficient=0.05)
 
 MODELS = {
@@ -319,7 +328,11 @@ def rough_inputs(model, seed, size=50.0, speed=SPEED, gas=5e5):
         PinForces(10 * size * rng.random(one.shape), size * rng.random(one.shape))
         for one in model.grids
     )
-    return Inputs(speed, gas, push, drag, RingForce(40.0, -60.0, 0.3), pins=pins)
+    bore = np.zeros((0, 0))
+    if model.outside:
+        bore = np.zeros((model.outside.around.shape[1], model.outside.along.shape[1]))
+    rings = RingForce(40.0, -60.0, 0.3)
+    return Inputs(speed, gas, push, drag, rings, pins=pins, bore_deflection=bore)
 
 
 def rough_way(model, steps):

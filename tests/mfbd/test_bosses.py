@@ -13,6 +13,7 @@ from piston_cosim.fmu_mfbd.finite_elements.ring import Ring, ring_mesh
 from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
 from piston_cosim.fmu_mfbd.options import _faults_of_bosses as bosses_faults
 from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings, with_boss_modes
+from piston_cosim.fmu_mfbd.reduction.film_loads import FilmLoads, RecordedLoads, Training
 from piston_cosim.fmu_mfbd.reduction.reduce import reduce_piston
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ShellFilm
 from piston_cosim.models import MODELS
@@ -109,7 +110,8 @@ def test_an_error_needs_boss_modes_with_a_floating_pin():
     given = Piston(mesh="a.msh", **SHEET, modes="1 %", tie="rbe3")
     assert bosses_faults(given, 24) == []
     assert bosses_faults(given, 0) == [
-        "floating_pin.boss_modes: expected at least 1 with piston.modes, got 0"
+        "floating_pin.boss_modes: expected at least 1 with piston.modes, got 0; modes of the skirt "
+        "alone miss the deflection of the bosses"
     ]
 
 
@@ -121,3 +123,23 @@ def test_boss_modes_are_added_to_those_of_an_error():
     films = None, ShellFilm((24, 4), 16e-3, 4)
     counts = [len(reduce_piston(piston, (16, 12), quiet, bosses=f).body.omega) for f in films]
     assert counts[1] == counts[0] + 4
+
+
+@pytest.mark.slow
+def test_boss_modes_are_added_to_trained_ones():
+    """Modes of an earlier run come first; the films in the bosses add four."""
+    mesh = str(MODELS / "fired_motorcycle/piston.msh.xz")
+    around, along = np.meshgrid(np.linspace(0, 2 * np.pi, 16), np.linspace(0, 1, 12), indexing="ij")
+    push = np.array([np.exp(-((around - 2) ** 2)) * along**n for n in range(3)])
+    loads = RecordedLoads(FilmLoads(push, 0.0 * push), np.full(3, 0.1))
+    prior = Piston(mesh=mesh, **SHEET, tie="rbe3", modes=20)
+    basis = {"basis": "trained", "train_on": "run.h5"}
+    trained = Piston(mesh=mesh, **SHEET, tie="rbe3", modes=24, **basis)
+    training = Training(loads, np.empty(0))
+    with_films = reduce_piston(
+        trained, (16, 12), quiet, training=training, bosses=ShellFilm((24, 4), 16e-3, 4)
+    )
+    alone = reduce_piston(prior, (16, 12), quiet)
+    added = len(with_films.body.omega) - len(alone.body.omega) - 4
+    assert 0 < added <= 12
+    assert with_films.bosses.boss_outward.shape[-1] == len(with_films.body.omega)

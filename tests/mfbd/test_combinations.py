@@ -9,10 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, assemble_films
+from piston_cosim.fmu_mfbd.dynamics.bore_from_outside import periodic_rule
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
 from piston_cosim.fmu_mfbd.dynamics.instant import gas_on_modes, load_of, of_skirt, on_modes
-from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, stacked
+from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, ON_FLEXIBLE_BLOCK, stacked
+from piston_cosim.fmu_mfbd.dynamics.parameters import PinParameters
 from piston_cosim.fmu_mfbd.dynamics.pin_films import held_forces
 from piston_cosim.fmu_mfbd.dynamics.skirt_films import (
     AxialMotion,
@@ -37,14 +40,18 @@ from .pin_models import (
     MAIN,
     MODELS,
     PARAMETERS,
+    RINGS,
     SETS,
     STEP,
     UNBALANCE,
     Springs,
     block_model,
+    bodies,
     crank_model,
     flexible_block,
     floating_model,
+    options,
+    outside_model,
     rough_inputs,
     rough_way,
     stiff_is_rigid,
@@ -243,3 +250,39 @@ def test_a_crank_without_films_is_the_limit_of_stiff_films_with_a_tied_pin():
         apart.append(np.abs(mine - known).max(axis=0) / np.abs(known).max(axis=0))
     np.testing.assert_allclose(np.divide(*apart), 2.0, rtol=0.2)
     assert np.max(apart[-1]) < 2e-2
+
+
+# ---- a bore that deflects from outside
+
+
+def test_a_field_from_outside_is_the_deflection_of_the_bore_around_a_floating_pin():
+    """The field of the block's own modes gives the same films, to the spline between angles."""
+    other = outside_model()
+    shapes = replace(flexible_block(), axial=0.0 * flexible_block().axial)
+    own = assemble_films(
+        bodies()._replace(block=shapes),
+        options(True),
+        replace(PARAMETERS, **RINGS),
+        OwnParameters(PinParameters()),
+    )
+    _, out = rough_way(own, 3)
+    first = own.chain.joints.tip.shape[1]
+    field = shapes.radial @ own._last.now.position[first : first + BLOCK_MODES]
+    rule = periodic_rule(16, 24)
+    state, _ = other.start(0.3, 2e-6, 1e-4, rough_inputs(other, 0, 0.0))
+    for k in range(3):
+        inputs = replace(rough_inputs(other, k), bore_deflection=rule @ field)
+        state, found = other.advance(state, inputs, STEP)
+    size = np.abs(field).max()
+    error = found["skirt.film_thickness"] - out["skirt.film_thickness"]
+    assert np.abs(error).max() < 2e-2 * size
+
+
+def test_derivatives_with_a_bore_from_outside_are_differences():
+    model = outside_model()
+    before, base, _ = carried_way(model, MOVING)
+    deflection = 1e-6 * np.random.default_rng(2).standard_normal((24, 64))
+    base = replace(base, bore_deflection=deflection)
+    change = replace(rough_change(model, base), carrier=Carrier(0.3, -0.2, 0.7, 1e-3))
+    products = products_by_differences(model, before, base, change, STEP, 3e-6)
+    assert {*ON_BLOCK, *ON_FLEXIBLE_BLOCK} <= products.keys()

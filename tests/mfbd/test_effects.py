@@ -51,6 +51,7 @@ MECHANISMS = {
     "space": {"motion_in_space": INERTIA},
     "mounted": {"mounted": True},
     "outside": {"block": BORE, "mounted": True},
+    "outside floating": {"block": BORE, "mounted": True, "floating_pin": PIN},
 }
 FREE = {"crank_free": 1}
 
@@ -83,9 +84,10 @@ NONE = {
     "space": RIGID | ON_BORE | WARNED | STOPS,
     "mounted": RIGID | ON_BORE | WARNED,
     "outside": RIGID | WARNED,
+    "outside floating": RIGID | WARNED | AXIAL,
 }
 FRICTION = {"pin_friction_coefficient", "pin_friction_speed", "pin_friction_damping"}
-FLOATING = ("floating", "bending", "crank", "free crank", "mounted crank")
+FLOATING = ("floating", "bending", "crank", "free crank", "mounted crank", "outside floating")
 REJECTED = dict.fromkeys(FLOATING, FRICTION)
 REJECTED["space"] = {"crank_free"}
 
