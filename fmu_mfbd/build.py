@@ -28,7 +28,7 @@ from .dynamics.build_options import (
     PistonOptions,
     SurfaceOptions,
 )
-from .dynamics.start_state import StartState, check_modes
+from .dynamics.start_state import StartState, check_start
 from .geometry.grid import cell_centres, film_rows
 from .geometry.profile import BoreOrder
 from .input_tables import NO_TABLES, Tables, read_tables, read_temperatures
@@ -223,7 +223,8 @@ def prepare(
         crank.append(replace(one, shell=shell.name) if shell else one)
     if tables.start:
         try:
-            check_modes(tables.start, len(piston.omega) + len(block.omega))
+            modes = len(piston.omega) + len(block.omega)
+            check_start(tables.start, modes, ahead.bearing_coordinates())
         except ValueError as error:
             raise BadInput(str(error)) from None
     prepared = replace(

@@ -37,6 +37,7 @@ from .dynamics.contradictions import FAULT, FAULTS, check
 from .dynamics.drive import Scalars
 from .dynamics.generalised_alpha import coefficients
 from .dynamics.half_films import check_even, check_half
+from .dynamics.instant import of_bearings
 from .dynamics.model import MOTION
 from .dynamics.model_faults import body_faults
 from .dynamics.parameters import Parameters, Settings, settings_of
@@ -107,6 +108,8 @@ class OutputPlaces(NamedTuple):
     side_force_demand: int
     modal_coordinate: int
     modal_velocity: int
+    bearing_coordinate: int
+    bearing_velocity: int
     residual_evaluations: int
     jacobian_evaluations: int
     small_end_modal_coordinate: int
@@ -235,15 +238,15 @@ def given(slave: Any) -> np.ndarray:
     setup = setup_of(bodies, options, NEEDS)
     model = assembled(setup, settings_of(replace(NEEDS, film_symmetry="none")))
     n = coordinates_of(model)
-    begin = options.start
+    begin, joints = options.start, model.parts.chain.joints.tip.shape[1] - RIGID
     given = NativeSetup(
         places=_places(slave),
         bodies=setup,
         start_given=begin is not None,
         start_angle=begin.crank_angle if begin else 0.0,
         start_speed=begin.rotation_speed if begin else 0.0,
-        start_position=begin.position() if begin else np.zeros(n),
-        start_velocity=begin.velocity() if begin else np.zeros(n),
+        start_position=begin.position(joints) if begin else np.zeros(n),
+        start_velocity=begin.velocity(joints) if begin else np.zeros(n),
         evaluations=np.zeros(1),
         tangents=np.zeros(1),
     )
@@ -338,6 +341,8 @@ def publish(real, integer, given, model, result):
     put_stacked(real, outputs.modal_coordinate, now.end.position[first:last])
     put_stacked(real, outputs.modal_velocity, now.kept.velocity[first:last])
     chain = model.parts.chain
+    put_stacked(real, outputs.bearing_coordinate, of_bearings(model.parts, now.end.position))
+    put_stacked(real, outputs.bearing_velocity, of_bearings(model.parts, now.kept.velocity))
     if floats(chain):
         eye = shell_modes_of(chain.elements, now.end.position, EYE)
         put_stacked(real, outputs.small_end_modal_coordinate, eye)

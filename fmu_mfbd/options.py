@@ -313,8 +313,6 @@ class Common(BuildTable):
 
     @model_validator(mode="after")
     def _of_floating_pin(self):
-        if self.floating_pin and self.start:
-            raise ValueError(f"start: expected nothing with floating_pin, got {self.start!r}")
         if self.floating_pin and (eye := self.floating_pin.small_end):
             where, grid = "floating_pin.small_end.", self.floating_pin.grid
             if faults := shell_faults(where, eye.modes, grid):

@@ -38,6 +38,7 @@ from .dynamics.parameters import (
     PinParameters,
     SpaceParameters,
 )
+from .dynamics.piston_motion import RIGID
 from .dynamics.state import PistonState
 from .dynamics.system import RingForce
 from .geometry.pin import PinForces
@@ -175,8 +176,12 @@ class Mfbd(FieldSlave):
             )
         if parameters.crank_free:
             values = values | {"crank_speed": begin.rotation_speed}
+        joints = model.chain.joints.tip.shape[1] - RIGID
         return model.start_moving(
-            begin.crank_angle, begin.position(), begin.velocity(), self._inputs(values)
+            begin.crank_angle,
+            begin.position(joints),
+            begin.velocity(joints),
+            self._inputs(values),
         )
 
     def advance(

@@ -216,6 +216,18 @@ MODES: Rows = (
 )
 
 
+BEARINGS: Rows = (
+    (
+        "bearing_coordinate",
+        "1",
+        "Coordinates of pin, crank and their shells, for a start from a snapshot: plays [m], angle "
+        "of the pin [rad], shapes of the pin and modes of the shells [kg^(1/2) m]",
+        1e-6,
+    ),
+    ("bearing_velocity", "1/s", "Time derivatives of the coordinates of pin and crank", 1e-2),
+)
+
+
 EYE_MODES: Rows = (
     (
         "small_end_modal_coordinate",
@@ -246,6 +258,7 @@ def signals(options: BuildOptions) -> list[Variable]:
     pin = options.floating_pin
     if pins:
         answers = answers + declared(PinScalars, options.absent_parts())
+    answers = answers + of_modes(BEARINGS, options.bearing_coordinates())
     if pin and pin.small_end_modes:
         answers = answers + of_modes(EYE_MODES, pin.small_end_modes)
     film = "main_bearing" in options.crank_surfaces()  # which has outputs of these names

@@ -280,6 +280,12 @@ class BuildOptions:
             *(FilmGrid(f"{one.name}.", one.grid) for one in self.crank_bearings),
         )
 
+    def bearing_coordinates(self) -> int:
+        """Return the number of coordinates of pin, crank and their shells."""
+        pin = self.floating_pin
+        of_crank = sum(2 + one.modes for one in self.crank_bearings)
+        return (5 + 2 * pin.pin_shapes + pin.small_end_modes if pin else 0) + of_crank
+
     def crank_surfaces(self) -> tuple[str, ...]:
         """Return the names of the crank's film surfaces."""
         return tuple(one.name for one in self.crank_bearings)

@@ -112,7 +112,7 @@ def odd_start(start: StartState | None, bodies: Sequence[ReducedBody], around: i
     """Return the largest odd deflection of a surface in the motion at the start [m].
 
     A velocity counts as the amplitude of its free vibration. The result is 0 for round-off, and for
-    a start of other bodies, which `check_modes` rejects.
+    a start of other bodies, which `check_start` rejects.
 
     Parameters
     ----------

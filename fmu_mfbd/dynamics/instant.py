@@ -329,3 +329,14 @@ def of_skirt(of: BodySystem, coordinates: np.ndarray) -> np.ndarray:
     for k in range(modes):
         out[RIGID + k] = coordinates[first + k]
     return out
+
+
+@compilable
+def of_bearings(of: BodySystem, coordinates: np.ndarray) -> np.ndarray:
+    """Return the coordinates of pin, crank and their shells."""
+    first, modes = of.chain.joints.tip.shape[1], skirt_modes(of)
+    out = np.empty(len(coordinates) - RIGID - modes)
+    joints = first - RIGID
+    for k in range(len(out)):
+        out[k] = coordinates[RIGID + k if k < joints else RIGID + modes + k]
+    return out

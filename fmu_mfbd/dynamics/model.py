@@ -19,7 +19,7 @@ from .carrier import FIXED, Carrier
 from .contradictions import FAULTS
 from .generalised_alpha import Coefficients, coefficients
 from .half_films import check_even, check_half, is_half
-from .instant import Instant
+from .instant import Instant, of_bearings
 from .parameters import REFERENCE, Damping
 from .pin_shells import shell_modes_of
 from .piston_motion import LATERAL, ROCKING
@@ -373,6 +373,9 @@ class PistonInBore:
         if last > first:
             outputs["modal_coordinate"] = now.end.position[first:last].copy()
             outputs["modal_velocity"] = now.kept.velocity[first:last].copy()
+        if self.pins:
+            outputs["bearing_coordinate"] = of_bearings(self.system, now.end.position)
+            outputs["bearing_velocity"] = of_bearings(self.system, now.kept.velocity)
         if floats(self.chain) and self.chain.elements.modes[EYE]:
             position, velocity = now.end.position, now.kept.velocity
             outputs["small_end_modal_coordinate"] = shell_modes_of(

@@ -4,7 +4,7 @@ The state is the file of outputs at one instant that `piston-cosim results snaps
 """
 
 import json
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from math import floor, pi
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,8 @@ class StartState:
         [m/s], [rad/s]
     modal_coordinate, modal_velocity : ndarray, shape (k,)
         Piston, then block [kg^1/2 m], [kg^1/2 m/s]; empty for rigid bodies.
+    bearing_coordinate, bearing_velocity : ndarray, shape (n,)
+        Those of pin, crank and their shells; empty without their films.
     """
 
     crank_angle: float
@@ -36,17 +38,26 @@ class StartState:
     rocking_velocity: float
     modal_coordinate: np.ndarray
     modal_velocity: np.ndarray
+    bearing_coordinate: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    bearing_velocity: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
-    def position(self) -> np.ndarray:
-        """Return x_A [m], rocking angle [rad] and modal coordinates, (n,)."""
-        return np.array([self.lateral_displacement, self.rocking_angle, *self.modal_coordinate])
+    def position(self, joints: int = 0) -> np.ndarray:
+        """Return all coordinates in the order of `mechanism.cylinder`.
 
-    def velocity(self) -> np.ndarray:
-        """Return the time derivatives of `position`, (n,)."""
-        return np.array([self.lateral_velocity, self.rocking_velocity, *self.modal_velocity])
+        The first `joints` of bearings are those of plays and of the pin's angle.
+        """
+        rigid = self.lateral_displacement, self.rocking_angle
+        before, after = np.split(self.bearing_coordinate, [joints])
+        return np.array([*rigid, *before, *self.modal_coordinate, *after])
+
+    def velocity(self, joints: int = 0) -> np.ndarray:
+        """Return the time derivatives of `position`."""
+        rigid = self.lateral_velocity, self.rocking_velocity
+        before, after = np.split(self.bearing_velocity, [joints])
+        return np.array([*rigid, *before, *self.modal_velocity, *after])
 
 
-FIELDS = ("modal_coordinate", "modal_velocity")
+FIELDS = ("modal_coordinate", "modal_velocity", "bearing_coordinate", "bearing_velocity")
 SCALARS = tuple(one.name for one in fields(StartState) if one.name not in FIELDS)
 
 
@@ -90,14 +101,17 @@ def read_start(path: Path | str) -> StartState:
     return StartState(**motion)
 
 
-def check_modes(start: StartState, modes: int) -> None:
-    """Raise ValueError unless a start has this number of modes, piston and block together."""
-    for key, values in (
-        ("modal_coordinate", start.modal_coordinate),
-        ("modal_velocity", start.modal_velocity),
-    ):
-        if len(values) != modes:
+def check_start(start: StartState, modes: int, bearings: int) -> None:
+    """Raise ValueError unless a start has these numbers of modes and of coordinates of bearings.
+
+    The modes are those of piston and block together.
+    """
+    each = zip(
+        FIELDS, (modes, modes, bearings, bearings), ("mode", "mode", "coordinate", "coordinate")
+    )
+    for key, wanted, of in each:
+        if len(values := getattr(start, key)) != wanted:
             raise ValueError(
-                f"start: expected {modes} values of {key}, one per mode, got {len(values)}; "
+                f"start: expected {wanted} values of {key}, one per {of}, got {len(values)}; "
                 "a run records them every record.every"
             )

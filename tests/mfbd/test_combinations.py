@@ -4,6 +4,7 @@ Each combination has a limit that another test covers, and derivatives that cent
 confirm.
 """
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +25,7 @@ from piston_cosim.fmu_mfbd.dynamics.skirt_films import (
     together,
 )
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import height
+from piston_cosim.fmu_mfbd.dynamics.start_state import check_start, read_start
 from piston_cosim.fmu_mfbd.dynamics.step import others_at
 from piston_cosim.fmu_mfbd.dynamics.system import skirt_modes
 from piston_cosim.fmu_mfbd.geometry.pin import turned
@@ -286,3 +288,27 @@ def test_derivatives_with_a_bore_from_outside_are_differences():
     change = replace(rough_change(model, base), carrier=Carrier(0.3, -0.2, 0.7, 1e-3))
     products = products_by_differences(model, before, base, change, STEP, 3e-6)
     assert {*ON_BLOCK, *ON_FLEXIBLE_BLOCK} <= products.keys()
+
+
+# ---- a start from a snapshot
+
+
+@pytest.mark.parametrize("name", ["all flexible", "tied, rubbing, all flexible", "bending"])
+def test_a_start_from_outputs_is_the_motion_that_they_show(name, tmp_path):
+    """Positions and velocities are those of the state, and so are films and forces of its instant.
+
+    The file holds the outputs as `results snapshot` writes them.
+    """
+    model = MODELS[name]()
+    state, out = rough_way(model, 6)
+    path = tmp_path / "start.json"
+    path.write_text(json.dumps({key: np.asarray(one).tolist() for key, one in out.items()}))
+    start = read_start(path)
+    check_start(start, skirt_modes(model.system), len(out["bearing_coordinate"]))
+    joints = model.chain.joints.tip.shape[1] - 2
+    motion = start.position(joints), start.velocity(joints)
+    np.testing.assert_array_equal(motion, [state.position, state.velocity])
+    begun, again = model.start_moving(start.crank_angle, *motion, rough_inputs(model, 5))
+    for film in (*model.films, *model.grids):
+        key = f"{film.prefix}film_thickness"
+        np.testing.assert_allclose(again[key], out[key], rtol=1e-12)

@@ -6,6 +6,8 @@ Both are interpreted. The test of a tied pin is `test_native_bodies`.
 import dataclasses
 import json
 
+import numpy as np
+
 from piston_cosim.fmu_mfbd.dynamics.build_options import (
     BlockOptions,
     BuildOptions,
@@ -13,6 +15,7 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import (
     FloatingPin,
     PistonOptions,
 )
+from piston_cosim.fmu_mfbd.dynamics.start_state import StartState
 from piston_cosim.fmu_mfbd.native import INTEGERS
 from piston_cosim.fmu_mfbd.reduction.reduced_body import save
 
@@ -48,7 +51,7 @@ VALUES = {
 CRANK = {"big_end": (10, 3), "main_bearing": (8, 4)}
 
 
-def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3), floats=True):
+def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3), floats=True, start=None):
     """Folder of a slave's resources; bosses, block, eye and shells of the crank yield."""
     piston, _, bosses, _ = yielding_bodies()
     parts = {"piston": piston, "block": flexible_block(), "bosses": bosses}
@@ -76,6 +79,7 @@ def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3), floats=True):
         floating_pin=pin if floats else None,
         crank_bearings=crank,
         mounted=True,
+        start=start,
     )
     (folder / "build.json").write_text(json.dumps(options.to_json()))
     return folder
@@ -92,6 +96,14 @@ def test_films_of_the_crank_with_a_tied_pin_are_those_of_the_model(tmp_path):
     """Other parameters of pin and eye do not exist."""
     rubbing = VALUES | {"pin_friction_coefficient": 0.05}
     held(side_by_side(built(tmp_path, floats=False), rubbing), 1e-12)
+
+
+def test_a_start_in_motion_is_that_of_the_model(tmp_path):
+    rng = np.random.default_rng(3)
+    modal = 1e-7 * rng.standard_normal((2, MODES + BLOCK_MODES))
+    bearings = 1e-6 * rng.standard_normal((2, 5 + SHELL_MODES + 2 * (2 + SHELL_MODES)))
+    start = StartState(0.4, 280.0, 3e-6, -1e-4, 0.01, 0.3, *modal, *bearings)
+    held(side_by_side(built(tmp_path, start=start), VALUES), 1e-12)
 
 
 def test_parameters_that_do_not_fit_are_told_in_the_words_of_the_slave(tmp_path):

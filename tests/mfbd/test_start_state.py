@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.start_state import FIELDS, SCALARS, check_modes, read_start
+from piston_cosim.fmu_mfbd.dynamics.start_state import FIELDS, SCALARS, check_start, read_start
 
 WHOLE = dict.fromkeys(SCALARS, 0.25) | dict.fromkeys(FIELDS, [1.0, 2.0]) | {"film": [[3.0]]}
 
@@ -33,8 +33,9 @@ def write(tmp_path):
 def test_whole_cycles_are_left_out(write, angle, reduced):
     start = read_start(write(WHOLE | {"crank_angle": angle}))
     assert start.crank_angle == pytest.approx(reduced)
-    np.testing.assert_array_equal(start.position(), [0.25, 0.25, 1.0, 2.0])
-    np.testing.assert_array_equal(start.velocity(), [0.25, 0.25, 1.0, 2.0])
+    wanted = [0.25, 0.25, 1.0, 1.0, 2.0, 2.0]  # the first of two bearings before the modes
+    np.testing.assert_array_equal(start.position(1), wanted)
+    np.testing.assert_array_equal(start.velocity(1), wanted)
 
 
 @pytest.mark.parametrize(
@@ -55,8 +56,8 @@ def test_what_is_wrong_is_named(write, content, message):
 
 
 def test_other_bodies_are_refused(write):
-    check_modes(read_start(write(WHOLE)), 2)
+    check_start(read_start(write(WHOLE)), 2, 2)
     with pytest.raises(
         ValueError, match="start: expected 3 values of modal_coordinate, one per mode, got 2"
     ):
-        check_modes(read_start(write(WHOLE)), 3)
+        check_start(read_start(write(WHOLE)), 3, 2)
