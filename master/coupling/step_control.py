@@ -13,6 +13,7 @@ from math import ceil
 import numpy as np
 
 from .methods.solution import Solution
+from .vector import is_longer
 from .wiring import Wire
 
 SAFETY = 0.9
@@ -116,6 +117,19 @@ class StepControl:
         return share * max(
             float(np.sqrt(np.mean(apart[part] ** 2))) / allowed for part, allowed in self.watched
         )
+
+    def resolves(self, step: float, longest: float) -> bool:
+        """Return whether a step resolves the motion, or is the smallest; limit the next one."""
+        small = step <= self.smallest * (1 + ROUND_OFF)
+        if small or not is_longer(step, longest):
+            return True
+        self.step = step
+        self.limit(longest)
+        return False
+
+    def limit(self, longest: float) -> None:
+        """Limit the next step to the longest one that resolves the motion [s]."""
+        self.step = min(self.step, max(longest, self.smallest))
 
     def halve(self, step: float) -> bool:
         """Halve the step after a failure; return False if it is below the smallest."""

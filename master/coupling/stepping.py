@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from time import perf_counter
 from typing import Any
 
@@ -359,7 +360,7 @@ class Stepper:
     def _longest_step(self) -> float:
         """Return the longest step that resolves the motion of all participants [s]."""
         values = (float(self.interface.participants[p].get(v)) for p, v in self.limits)
-        return min(values)
+        return min(values, default=inf)
 
     def _controlled(self, control: StepControl, time: float, step: float) -> None:
         """Take the macro steps of step control, each to the next tick at most."""
@@ -381,14 +382,19 @@ class Stepper:
         saved = self._save()
         try:
             solution = self._converge(time, step, saved)
-            if control.accepts(self.predictor.past[-1], time, step, solution):
+            longest = self._longest_step()
+            if not control.resolves(step, longest):
+                reason = Unresolved(f"the motion needs steps of {longest:.3g} s")
+                self.counters.repeated_steps += 1
+            elif not control.accepts(self.predictor.past[-1], time, step, solution):
+                reason = f"local error {control.error:.2g} times the allowed one"
+                self.counters.rejected_steps += 1
+            else:
                 self.judge(time + step, solution, True, True)
                 self._accept(time, step, solution)
+                control.limit(longest)
                 return True
-            self._roll_back(
-                time, step, saved, f"local error {control.error:.2g} times the allowed one"
-            )
-            self.counters.rejected_steps += 1
+            self._roll_back(time, step, saved, reason)
         except Ticked as tick:
             self._roll_back(time, step, saved, tick)
             raise

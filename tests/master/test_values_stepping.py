@@ -322,6 +322,30 @@ def test_a_step_with_too_large_an_error_is_taken_again_shorter(affine):
     assert watched.stepper.control.error == pytest.approx(128 / 9 * 2 / 9 / 7.2, rel=1e-9)
 
 
+def test_steps_by_local_error_resolve_the_motion(affine):
+    """The motion limits steps that end at 1, 3, 4 and 4.75 s; the constant x has no error.
+
+    The smallest step, to 1 s, ignores its limit. The next one of 2 s is above 1.5 s: the rest of
+    6 s is divided into four parts. After the first of them a step of 3 s is allowed, and the rest
+    of 4.5 s is halved. This is above 2 s: three parts of 1.5 s follow, because the end of the first
+    of them limits the next one to 2 s.
+    """
+    limits = {1.0: 2.0, 3.0: 1.5, 4.75: 2.0, 4.0: 2.0}
+    system = affine([[0.0]], lambda t: limits.get(t, 9.0), FINE, local_error=1e9)
+    plant = system.participants["plant"]
+    plant.values["y0"] = np.array(9.0)
+    limited = replace(system, limits=(("plant", "y0"),))
+    watched = Watched(limited, control=step_control(system.wires, 1.0))
+    watched.advance(0.0, 7.0)
+    assert watched.times == pytest.approx([1.0, 2.5, 4.0, 5.5, 7.0], rel=1e-12)
+    refused = [(*one[:2], one[3]) for one in watched.attempts if one[3]]
+    assert refused == [
+        (1.0, 2.0, "the motion needs steps of 1.5 s"),
+        (2.5, 2.25, "the motion needs steps of 2 s"),
+    ]
+    assert (watched.counters.repeated_steps, watched.counters.rejected_steps) == (2, 0)
+
+
 def test_next_step_is_within_its_bounds():
     # Eq. (A2): e = 1000 would ask for 0.09, e = 1e-6 for 90; without an estimate twice as long
     for error, factor in ((1000.0, 0.2), (1e-6, 2.0), (1.0, 0.9), (27.0, 0.3)):
