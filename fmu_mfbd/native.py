@@ -43,7 +43,7 @@ from .dynamics.model_faults import body_faults
 from .dynamics.parameters import Parameters, Settings, settings_of
 from .dynamics.pin_outputs import PinScalars
 from .dynamics.pin_shells import shell_modes_of
-from .dynamics.piston_motion import LATERAL, ROCKING
+from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.response import StepEnd
 from .dynamics.slider_crank import CrankMotion
 from .dynamics.state import PistonState, problem_of, step_coefficients

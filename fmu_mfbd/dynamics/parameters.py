@@ -233,7 +233,7 @@ class Parameters:
     impact_resolution: float = _declared(
         "m",
         "Displacement within a step from which shorter steps resolve an impact; 1 m for never",
-        1.0,
+        10e-9,
         0.0,
         1.0,
     )

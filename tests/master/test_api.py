@@ -38,11 +38,15 @@ def oscillator(here):
 
 @pytest.fixture(scope="module")
 def skirt(tmp_path_factory):
-    """Run a rigid skirt on a coarse grid for 8 deg; fields are recorded at every second degree."""
+    """Run a rigid skirt on a coarse grid for 8 deg; fields are recorded at every second degree.
+
+    No step is repeated in parts, which would be rows of their own.
+    """
     changes = {
         "time.stop": "8 deg",
         "participants.bodies.build.grid": [16, 8],
         "participants.ehd.build.grid": [16, 8],
+        "participants.bodies.parameters.impact_resolution": "1 m",
         "record.every": 2,
     }
     return pc.open_case("data_sheet", changes).run(tmp_path_factory.mktemp("skirt") / "rigid.h5")

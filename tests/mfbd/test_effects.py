@@ -98,7 +98,7 @@ SPECIAL = {
     "crank_free": 1,
     "start_lateral_displacement": 1e-6,
     "pin_length": 0.2,
-    "impact_resolution": 1e-8,
+    "impact_resolution": 1.0,
 }
 
 
