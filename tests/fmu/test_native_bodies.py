@@ -85,6 +85,8 @@ def given(one, k):
             angle = np.arange(field.shape[0])[:, None] * 2 * np.pi / field.shape[0]
             bump = np.maximum(np.sin(angle - 0.3 * k), -0.2) + 0.2
             values[name] = size * bump * rng.random(field.shape)
+        elif what.endswith("temperature_field"):
+            values[name] = 350.0 + k + 8.0 * rng.standard_normal(field.shape)
         elif what.startswith("nodal_"):
             values[name] = 0.1 * size * rng.standard_normal(field.shape)
     return {name: value for name, value in values.items() if name in one.fields}
@@ -176,6 +178,13 @@ CASES = {
         dict(pin_friction_coefficient=0.1, quasi_static_frequency=20e3),
         big_end=BEARING,
         main_bearing=BEARING,
+    ),
+    "films between walls that warm": lambda folder: flexible(
+        folder,
+        dict(barrel=15e-6, bore_temperature_rise=12.0),
+        grid=[12, 10],
+        film_surfaces=BANDS,
+        temperatures={"skirt": "input", "bore": "110 degC"},
     ),
     "floating pin": lambda folder: of_case(small_pin(*OFFSETS, **PIN), FLOATING_PIN, exact=True),
     "crank bearings": lambda folder: of_case(
