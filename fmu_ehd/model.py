@@ -46,7 +46,8 @@ class LubricationModel:
         self._cells = self._tables.open_cells
         self.solver = linear_solver(self._cells.shape)
         self.area = self.fixed.surfaces.area
-        self._given = surroundings(p, {}, constants.images_of(self._tables))
+        self._images = constants.images_of(self._tables)
+        self._given = surroundings(p, {}, self._images)
 
     # ---- steps
 
@@ -243,7 +244,7 @@ class LubricationModel:
         if field is not None and np.ndim(field):
             on_grid = self._input(field, FAULT.odd_oil_temperature, faults)
             conditions = conditions | dict(oil_temperature=on_grid)
-        return surroundings(self.parameters, conditions, constants.images_of(self._tables))
+        return surroundings(self.parameters, conditions, self._images)
 
     def _input(self, field: Any, fault: float, faults: Array) -> Array:
         """Return an input on the grid; note the fault of this number if it is not symmetric."""

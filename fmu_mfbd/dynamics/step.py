@@ -300,8 +300,8 @@ def result_of(
         force = inputs.skirt.pressure
         warm_work = growth_work(force, opening - before.thermal_opening)
         if len(growth) > 0:
-            change = growth - before.field_growth
-            warm_work += field_work(system.surfaces, model.cold, force, now.guided, change)
+            warmed = before.field_growth, growth
+            warm_work += field_work(system.surfaces, model.cold, force, now.guided, *warmed)
         energy = account(
             (before.kinetic, state.kinetic),
             state.position - before.position,

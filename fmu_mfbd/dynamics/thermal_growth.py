@@ -96,8 +96,8 @@ def thermal_opening(
 
 
 @compilable
-def wall_growth(expansion: float, radius: float, temperature: np.ndarray) -> np.ndarray:
-    """Return the radial growth of a wall on its grid by differences from its level [m].
+def wall_growth(expansion: float, radius: float, temperature):
+    """Return the radial growth of a wall by the difference of its temperature from the level [m].
 
     Eq. (I20):  u_r(theta, y) = alpha R (T(theta, y) - T_level)
 
@@ -110,7 +110,7 @@ def wall_growth(expansion: float, radius: float, temperature: np.ndarray) -> np.
         alpha [1/K].
     radius : float
         R [m], 0 for a wall that does not grow.
-    temperature : ndarray
+    temperature : float or ndarray
         T - T_level, at cells of a skirt or as spline coefficients of a bore [K].
     """
     return expansion * radius * temperature  # Eq. (I20)
@@ -151,8 +151,15 @@ def widen(surfaces: np.ndarray, p: Settings, radii: Radii) -> None:
         return
     for s in range(count_of(surfaces)):
         skirt = surface_at(surfaces, s).skirt
-        skirt.gap[:] -= wall_growth(p.piston_expansion, radii.skirt, skirt.temperature)
-    bore.shape[:] += wall_growth(p.bore_expansion, radii.bore, bore.temperature)
+        c, a = skirt.temperature.shape
+        for i in range(c):
+            for j in range(a):
+                warmth = skirt.temperature[i, j]
+                skirt.gap[i, j] -= wall_growth(p.piston_expansion, radii.skirt, warmth)
+    knots, c = bore.temperature.shape
+    for k in range(knots):
+        for i in range(c):
+            bore.shape[k, i] += wall_growth(p.bore_expansion, radii.bore, bore.temperature[k, i])
 
 
 @compilable
@@ -169,21 +176,25 @@ def cold_walls(surfaces: np.ndarray, fields: tuple[bool, bool], rule: np.ndarray
         As of `ColdWalls`.
     """
     of_skirt, of_bore = fields
+    count = count_of(surfaces)
     cells = 0
-    for s in range(count_of(surfaces)):
+    for s in range(count):
         cells += surface_at(surfaces, s).skirt.gap.size
     gap = np.zeros(cells if of_skirt else 0)
     first = 0
-    for s in range(count_of(surfaces) if of_skirt else 0):
+    for s in range(count if of_skirt else 0):
         own = surface_at(surfaces, s).skirt.gap
-        gap[first : first + own.size] = own.copy().reshape(own.size)
-        first += own.size
+        for i in range(own.shape[0]):
+            for j in range(own.shape[1]):
+                gap[first] = own[i, j]
+                first += 1
     shape = surface_at(surfaces, 0).bore.shape
     knots, around = shape.shape
     cold = np.zeros((knots if of_bore else 0, around))
-    if of_bore:
-        cold[:] = shape
-    return ColdWalls(gap, cold, rule.copy())
+    for k in range(len(cold)):
+        for i in range(around):
+            cold[k, i] = shape[k, i]
+    return ColdWalls(gap, cold, rule)
 
 
 @compiled
@@ -205,7 +216,6 @@ def warm_walls(
 
     Everything follows from the fields, so that a repeated step has the same bits.
     """
-    rate = p.piston_expansion * radii.skirt
     level = level_of(fields.skirt, 0.0)
     first = 0
     for s in range(count_of(surfaces) if len(fields.skirt) else 0):
@@ -215,11 +225,11 @@ def warm_walls(
             for j in range(a):
                 difference = fields.skirt[first] - level
                 skirt.temperature[i, j] = difference
-                skirt.gap[i, j] = cold.gap[first] - rate * difference  # Eq. (I20)
+                growth = wall_growth(p.piston_expansion, radii.skirt, difference)
+                skirt.gap[i, j] = cold.gap[first] - growth
                 first += 1
     if len(fields.bore) == 0:
         return
-    rate = p.bore_expansion * radii.bore
     level = level_of(fields.bore, 0.0)
     bore = surface_at(surfaces, 0).bore
     knots, around = bore.temperature.shape
@@ -230,7 +240,8 @@ def warm_walls(
             for s in range(stations):
                 total += cold.rule[k, s] * (fields.bore[i * stations + s] - level)
             bore.temperature[k, i] = total
-            bore.shape[k, i] = cold.shape[k, i] + rate * total  # Eq. (I20)
+            growth = wall_growth(p.bore_expansion, radii.bore, total)
+            bore.shape[k, i] = cold.shape[k, i] + growth
 
 
 @compiled
@@ -247,13 +258,15 @@ def field_growth(
         c, a = skirt.temperature.shape
         for i in range(c):
             for j in range(a):
-                out[first] = p.piston_expansion * radii.skirt * skirt.temperature[i, j]
+                warmth = skirt.temperature[i, j]
+                out[first] = wall_growth(p.piston_expansion, radii.skirt, warmth)
                 first += 1
     if len(fields.bore):
         around = bore.temperature.shape[1]
         for k in range(len(bore.temperature)):
             for i in range(around):
-                out[cells + k * around + i] = p.bore_expansion * radii.bore * bore.temperature[k, i]
+                warmth = bore.temperature[k, i]
+                out[cells + k * around + i] = wall_growth(p.bore_expansion, radii.bore, warmth)
     return out
 
 
@@ -284,7 +297,8 @@ def field_work(
     cold: ColdWalls,
     pressure_force: np.ndarray,
     guided: float,
-    change: np.ndarray,
+    before: np.ndarray,
+    growth: np.ndarray,
 ) -> float:
     """Return the work of the films on walls that grow by field inputs [J], Eq. (D55) by cells.
 
@@ -299,22 +313,25 @@ def field_work(
         Of whole films [N].
     guided : float
         Height at which the bore is read [m].
-    change : ndarray
-        Of `field_growth` over the step [m].
+    before, growth : ndarray
+        `field_growth` at both ends of the step [m].
     """
     cells = len(cold.gap)
     total = 0.0
     for k in range(cells):
-        total -= pressure_force[k] * change[k]
-    if len(change) == cells:
+        total -= pressure_force[k] * (growth[k] - before[k])
+    if len(growth) == cells:
         return total
     first = 0
     for s in range(count_of(surfaces)):
         surface = surface_at(surfaces, s)
-        knots, around = surface.bore.shape.shape
+        around = surface.bore.shape.shape[1]
         window = window_of(surface, guided)
-        wider = change[cells:].copy().reshape((knots, around))
-        below = wider[window.first : window.first + window.knots]
+        below = np.empty((window.knots, around))
+        for k in range(window.knots):
+            for i in range(around):
+                own = cells + (window.first + k) * around + i
+                below[k, i] = growth[own] - before[own]
         opened = by_rows(on_rows(window, window.value, below))
         for i in range(opened.shape[0]):
             for j in range(opened.shape[1]):
