@@ -199,8 +199,10 @@ def conditions(results: Results, films: list[str]) -> list[str]:
     if "bore_radius" in given:
         found.append(f"bore {2e3 * to_si(given['bore_radius'], 'm'):.4g} mm")
     if "radial_clearance" in own:
-        found.append(f"radial clearance {short(to_si(own['radial_clearance'], 'm'), 'm')}")
-    if "viscosity" in given:
+        found.append(_clearances(results, bodies[0], to_si(own["radial_clearance"], "m")))
+    if "oil" in film.get("build", {}):
+        found.append(f"oil {film['build']['oil']}")
+    elif "viscosity" in given:
         found.append(f"oil {1e3 * to_si(given['viscosity'], 'Pa.s'):.3g} mPa s")
     if "grid" in film.get("build", {}):
         found.append("{} × {} cells".format(*film["build"]["grid"]))
@@ -211,6 +213,14 @@ def conditions(results: Results, films: list[str]) -> list[str]:
     if summary.get("periods", 0) > 1:
         found.append(f"last of {summary['periods']} periods")
     return found
+
+
+def _clearances(results: Results, body: str, cold: float) -> str:
+    """Return the radial clearance, and that between walls of the last levels of temperature."""
+    port = f"{body}.thermal_opening"
+    opening = results.series(port).values[-1] if port in results.ports else 0.0
+    text = f"radial clearance {short(cold, 'm')}"
+    return f"{text} cold, {short(cold + opening, 'm')} hot" if opening else text
 
 
 def _sentence(labels, figures) -> str:
