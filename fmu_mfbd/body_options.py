@@ -45,6 +45,9 @@ Number = Annotated[float, in_unit("1")]
 Expansion = Annotated[float, in_unit("1/K")]
 
 
+Temperature = Annotated[float, in_unit("K")]
+
+
 LengthUnit = Annotated[float, in_unit("m", alone=True)]
 AngleUnit = Annotated[float, in_unit("rad", alone=True)]
 PressureUnit = Annotated[float, in_unit("Pa", alone=True)]
@@ -214,6 +217,46 @@ class MaterialOptions(BaseModel):
     """Coefficient of thermal expansion."""
 
 
+class NodeDisplacements(BaseModel):
+    """Displacements at the nodes of the mesh, see `node_values.read_node_values`."""
+
+    model_config = STRICT
+    file: Annotated[str, FILE]
+    """Results of another program (.csv, .vtu, .frd) with the displacement of each node."""
+    length_unit: Annotated[LengthUnit, Field(gt=0)]
+    """Unit of the displacements and of the coordinates in the file."""
+    field: str | None = None
+    """Name of the displacement in a .vtu or .frd. Default: the only one, DISP for .frd."""
+
+
+class TemperatureField(BaseModel):
+    """Temperatures of the body, from which its own hot shape is computed."""
+
+    model_config = STRICT
+    file: Annotated[str | None, FILE] = None
+    """Results of another program (.csv, .vtu, .frd) with the temperature of each node."""
+    table: Annotated[str | None, FILE] = None
+    """CSV file. The first row holds radii from the axis. Each further row holds a height and its
+    temperatures. Heights are above pin point A for the piston and above the crank axis for the
+    block.
+    """
+    length_unit: Annotated[LengthUnit, Field(gt=0)]
+    """Unit of coordinates, radii and heights in the file."""
+    temperature_unit: Literal["degC", "K"]
+    """Unit of the temperatures in the file."""
+    reference: Annotated[Temperature, Field(ge=200, le=600)] = 293.15
+    """Temperature of the body in the shape of the mesh."""
+    field: str | None = None
+    """Name of the temperature in a .vtu or .frd. Default: the only one, NDTEMP for .frd."""
+
+    @model_validator(mode="after")
+    def _source(self):
+        if (self.file is None) == (self.table is None):
+            got = "both" if self.file else "neither"
+            raise ValueError(f"expected either file or table, got {got}")
+        return self
+
+
 class Body(PlacedMesh, MaterialOptions):
     """Options of a body.
 
@@ -242,6 +285,12 @@ class Body(PlacedMesh, MaterialOptions):
     """Materials of sets of elements, by the name of a set, a part or a material of the mesh file.
     Other elements have the material of the body, or else that of the mesh file.
     """
+    hot_shape: NodeDisplacements | None = None
+    """Displacements at the nodes by another program, which become the hot shape of skirt or bore.
+    The rigid motion of a piston's pin bores is taken out, that of a bore stays.
+    """
+    temperature_field: TemperatureField | None = None
+    """Temperatures from which the hot shape of skirt or bore is computed. Requires `expansion`."""
     stiffness: Annotated[str | None, FILE] = None
     """Stiffness matrix of another program (.mtx, .pch, .bdf)."""
     mass: Annotated[str | None, FILE] = None
@@ -315,7 +364,30 @@ class Body(PlacedMesh, MaterialOptions):
         missing = [key for key in needed if getattr(self, key) is None]
         if self.mesh is not None and missing:
             raise ValueError(missing_keys(missing, f"with {what}"))
+        self._check_heat(what)
         return self
+
+    def _check_heat(self, source: str) -> None:
+        """Raise ValueError if the body cannot have the hot shape, or has two."""
+        if self.hot_shape and self.temperature_field:
+            raise ValueError("temperature_field: expected nothing with hot_shape, got a table")
+        if self.has_hot_shape and self.shape == "hot":
+            raise ValueError("shape: expected 'cold' with a hot shape that adds to it, got 'hot'")
+        for key in ("hot_shape", "temperature_field", "materials"):
+            if self.rigid and getattr(self, key):
+                raise ValueError(f"{key}: expected nothing with a data sheet, got a table")
+            if source == "a body of matrices" and key != "hot_shape" and getattr(self, key):
+                raise ValueError(f"{key}: expected nothing with {source}, got a table")
+
+    @property
+    def is_hot(self) -> bool:
+        """Return whether the wall has the shape of the running engine."""
+        return self.shape == "hot" or self.has_hot_shape
+
+    @property
+    def has_hot_shape(self) -> bool:
+        """Return whether a hot shape adds to the profile of the wall."""
+        return bool(self.hot_shape or self.temperature_field)
 
     def _materials_of_file(self) -> bool:
         """Return whether the material may be that of sets, or of a mesh file with materials."""

@@ -4,8 +4,9 @@ The result is the content of the FMU's resources.
 """
 
 import hashlib
+from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import fields, replace
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -30,14 +31,20 @@ from .dynamics.build_options import (
 )
 from .dynamics.start_state import StartState, check_start
 from .geometry.grid import cell_centres, film_rows
-from .geometry.profile import BoreOrder
+from .geometry.profile import BoreOrder, HotShape
 from .input_tables import NO_TABLES, Tables, read_tables, read_temperatures
 from .options import BearingShell, Bodies, Build, SmallEnd, read_options
-from .reducing import Say, reduced_shell, reducing
+from .reducing import (
+    Say,
+    check_bosses,
+    check_own,
+    hot_shapes,
+    reduced_shell,
+    reducing,
+)
 from .reduction.film_loads import Training, recorded_loads
 from .reduction.reduced_body import (
     SMALL_END,
-    Anatomy,
     MeshProperties,
     ReducedBlock,
     ReducedBody,
@@ -57,10 +64,13 @@ from .thrust_symmetry import (
     ODD_MODE,
     asymmetries,
     asymmetries_of_bodies,
+    asymmetries_of_heat,
     claims,
     kind_of,
 )
 from .variables import inputs, parameters, signals
+
+NO_HOT_SHAPES: Mapping[str, HotShape] = {}
 
 
 def options_schema() -> dict[str, Any]:
@@ -115,15 +125,25 @@ def on_grid(options: dict[str, Any], key: str, grid: tuple[int, int]) -> dict[st
     return changed
 
 
-def options_ahead(build: Build, tables: Tables) -> BuildOptions:
+def options_ahead(
+    build: Build, tables: Tables, hot: Mapping[str, HotShape] = NO_HOT_SHAPES
+) -> BuildOptions:
     """Return the options of the FMU, as far as they are known before its bodies."""
     pin_offset = build.piston.pin_offset
     orders = tuple(BoreOrder(one.order, one.amplitude, one.phase) for one in build.block.orders)
     return BuildOptions(
         grid=build.grid,
-        piston=PistonOptions("", 0, pin_offset, tables.skirt, build.piston.shape == "hot"),
+        piston=PistonOptions(
+            "", 0, pin_offset, tables.skirt, hot.get("piston"), build.piston.is_hot
+        ),
         block=BlockOptions(
-            "", 0, orders, tables.bore, bore_from_outside(build), build.block.shape == "hot"
+            "",
+            0,
+            orders,
+            tables.bore,
+            bore_from_outside(build),
+            hot.get("block"),
+            build.block.is_hot,
         ),
         gas=tables.gas,
         speed=tables.speed,
@@ -203,7 +223,8 @@ def prepare(
     build = read_options(options, folder)
     tables = read_tables(build)
     bodies = _bodies(build, progress)
-    piston = piston_about_pin(build.piston, bodies["piston"])
+    hot = hot_shapes(build, progress)
+    piston = hot_piston(piston_about_pin(build.piston, bodies["piston"]), hot.get("piston"))
     block = load(ReducedBlock, bodies["block"])
     piston_file = _carried("piston", piston)
     block_file = _carried("block", block)
@@ -215,7 +236,7 @@ def prepare(
     if pin and "small_end" in bodies:
         files.append(bodies["small_end"])
         pin = replace(pin, small_end=files[-1].name)
-    ahead = options_ahead(build, tables)
+    ahead = options_ahead(build, tables, hot)
     crank = []
     for one in ahead.crank_bearings:
         shell = bodies.get(one.name)
@@ -253,6 +274,14 @@ def piston_about_pin(options: Piston, path: Path) -> ReducedPiston:
     if faults:
         raise BadInput([f"piston: {fault}" for fault in faults])
     return piston.about(options.pin_offset)
+
+
+def hot_piston(piston: ReducedPiston, hot: HotShape | None) -> ReducedPiston:
+    """Return the piston with the edges of its hot skirt."""
+    if hot is None:
+        return piston
+    lower, upper = piston.skirt_lower + hot.lower, piston.skirt_upper + hot.upper
+    return replace(piston, skirt_lower=lower, skirt_upper=upper)
 
 
 def bore_from_outside(build: Build) -> BoreGrid | None:
@@ -406,7 +435,8 @@ def _asymmetries(
     both = (("piston", build.piston), ("block", build.block))
     bodies = {name: load(kind_of(body), files[name]) for name, body in both if body}
     skirt = _mesh_skirt(files["piston"]) if "piston" in files else None
-    return asymmetries_of_bodies(bodies, skirt, build.grid[0], limit, start)
+    found = asymmetries_of_bodies(bodies, skirt, build.grid[0], limit, start)
+    return found + asymmetries_of_heat(hot_shapes(build, lambda text: None))
 
 
 def _reject(assumed: list[str], reasons: list[str]) -> None:
@@ -452,9 +482,9 @@ def _body(
             return _carried(name, body)
         if options.reduced:
             path = Path(options.reduced)
-            _check_own(path, options, grid)
+            check_own(path, options, grid)
             if bosses:
-                _check_bosses(path, bosses)
+                check_bosses(path, bosses)
             return path
         return kept_body(options, grid, cache_folder("bodies"), say, training, bosses, shapes)
 
@@ -471,46 +501,6 @@ def _skirt(piston: Path) -> list[list[int]] | None:
     """Return the rows of `_mesh_skirt` as numbers; None if all are 1 or unknown."""
     skirt = _mesh_skirt(piston)
     return None if skirt is None or skirt.all() else skirt.astype(int).tolist()
-
-
-def _check_own(path: Path, options: Piston | Block, grid: tuple[int, int]) -> None:
-    """Raise ValueError unless a user's file holds a body of these options for this film grid."""
-    kind = kind_of(options)
-    body = load(kind, path)
-    if "modes" in options.model_fields_set and options.modes != len(body.omega):
-        raise ValueError(
-            f"modes: expected {len(body.omega)}, the number in {path.name}, got {options.modes:g}"
-        )
-    for part in (Anatomy, MeshProperties):
-        names = {one.name for one in fields(part)}
-        with np.load(path) as file:
-            missing = names - set(file.files)
-        if missing and missing != names:
-            raise ValueError(
-                f"reduced: expected {', '.join(sorted(missing))} in {path.name}, got nothing; "
-                "run `piston-cosim reduce` again"
-            )
-    around, along = grid
-    rows = around * along if kind is ReducedPiston else around
-    if len(body.radial) != rows:
-        raise ValueError(
-            f"reduced: expected {rows} rows of modes for this film grid in {path.name}, "
-            f"got {len(body.radial)}"
-        )
-    if not np.all(np.diff(body.omega) >= 0) or np.any(body.omega <= 0):
-        raise ValueError(
-            f"reduced: expected positive rising frequencies in {path.name}, got others"
-        )
-
-
-def _check_bosses(path: Path, films: ShellFilm) -> None:
-    """Raise ValueError unless a user's piston has its modes in the bosses on the films' grid."""
-    around, along, _ = load(ReducedBosses, path).boss_outward.shape[1:]
-    if (around, along) != films.grid:
-        raise ValueError(
-            f"reduced: expected films of {films.grid[0]} x {films.grid[1]} cells in the bosses of "
-            f"{path.name}, got {around} x {along}"
-        )
 
 
 def _carried(name: str, body: ReducedBody | ReducedBosses) -> Path:

@@ -18,6 +18,7 @@ from .body_options import Block, Piston, RigidBlock, RigidPiston
 from .build import (
     boss_films,
     eye_film,
+    hot_piston,
     options_ahead,
     piston_about_pin,
 )
@@ -33,6 +34,7 @@ from .finite_elements.connections import aspect_ratios
 from .finite_elements.element import mass_properties, rigid_mass
 from .finite_elements.mesh import Mesh, MeshFault
 from .geometry.grid import cell_centres
+from .geometry.profile import HotShape
 from .input_tables import read_tables
 from .options import Build, read_options
 from .preview_picture import Shapes, draw_shapes
@@ -50,6 +52,7 @@ from .preview_temperatures import (
     messages_on_walls,
     warm_walls,
 )
+from .reducing import hot_shapes
 from .reduction.bosses import boss_readings
 from .reduction.geometry import block_faults, cylinder_faults, pin_bore, piston_faults
 from .reduction.interpolation import covered
@@ -114,7 +117,12 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
             if body.modes and mesh and not is_mirrored(mesh, 2)
         ]
         wrong += [rejection(claim, reasons) for claim in assumed if reasons]
-    prepared = options_ahead(build, tables)
+    try:
+        hot = hot_shapes(build, lambda text: None)
+    except BadInput as error:
+        return Preview(faults=[*wrong, *error.faults])
+    piston = piston._replace(body=hot_piston(piston.body, hot.get("piston")))
+    cold, prepared = options_ahead(build, tables), options_ahead(build, tables, hot)
     axis = _axis(prepared, given, build)
     eye = _eye(build, wrong, warnings)
     if None not in parameters.values():
@@ -127,13 +135,14 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         *(_of_axis(prepared, piston, chosen, axis) if axis and not wrong else ()),
         *(eye.figures if eye else ()),
         *_of_block(build, block),
+        *(figure for name, shape in hot.items() for figure in _of_heat(name, shape)),
         *_of_mechanism(build, block, chosen, given.get("crank_speed")),
     ]
     messages: list[Message] = []
     if tables.gas:
         figures.append(Figure("gas", "highest_gas_pressure", tables.gas.pressure.max(), "Pa"))
         messages += messages_on_gas(tables.gas)
-    shapes = _shapes(prepared, piston, block, chosen, given)
+    shapes = _shapes(prepared, cold, piston, block, chosen, given)
     figures += _of_film(build, shapes)
     if walls := shapes.walls:
         figures += figures_of_walls(walls, shapes.pin_height, shapes.height, shapes.bore_height)
@@ -407,8 +416,27 @@ def stroke_of(pin_offset: float, chosen: Parameters) -> tuple[float, float]:
     return float(lowest), float(highest)
 
 
+def _of_heat(name: str, shape: HotShape) -> list[Figure]:
+    """Return the figures of a hot shape, and its rigid motion."""
+    part = "skirt" if name == "piston" else "bore"
+    least, most = 1e6 * shape.radial.min(), 1e6 * shape.radial.max()
+    shift = ", ".join(f"{1e6 * one:.3g}" for one in shape.motion[:3])
+    turn = ", ".join(f"{1e6 * one:.3g}" for one in shape.motion[3:])
+    stays = "of the pin bores is taken out" if name == "piston" else "is contained"
+    text = (
+        f"mean of {least:.4g} to {most:.4g} um; the rigid motion ({shift}) um, ({turn}) urad "
+        f"along and about x, y, z {stays}"
+    )
+    figures = [Figure(part, f"{part}_hot_growth", float(shape.radial.mean()), "m", text)]
+    if name == "piston":
+        longer = shape.upper - shape.lower
+        figures.append(Figure(part, "skirt_lengthening", longer, "m", "part of skirt_length"))
+    return figures
+
+
 def _shapes(
     prepared: BuildOptions,
+    without_heat: BuildOptions,
     piston: BodyPreview,
     block: BodyPreview,
     chosen: Parameters,
@@ -428,10 +456,10 @@ def _shapes(
         angle=angle,
         height=height,
         film=_with_a_film(prepared, piston),
-        skirt_cold=skirt_gap(body, angle, height, prepared.piston, cold),
+        skirt_cold=skirt_gap(body, angle, height, without_heat.piston, cold),
         skirt_hot=skirt_gap(body, angle, height, prepared.piston, chosen) - skirt_growth,
         bore_height=heights,
-        bore_cold=bore_shape(heights, angle, prepared.block, cold) + straight,
+        bore_cold=bore_shape(heights, angle, without_heat.block, cold) + straight,
         bore_hot=bore_shape(heights, angle, prepared.block, chosen) + straight + bore_growth,
         pin_height=np.linspace(*stroke_of(prepared.piston.pin_offset, chosen), HEIGHTS),
         walls=walls,

@@ -103,9 +103,17 @@ def messages_on_fit(
         out.append(Message("warning", text))
     flexible = bool(build.piston.modes) and not build.piston.rigid
     out += _interference(shapes, block.body.radius, flexible)
-    if not any(getattr(chosen, name) for name in COLD) and shapes.walls is None:
+    grown = [name for name in COLD if getattr(chosen, name)]
+    is_hot = build.piston.is_hot or build.block.is_hot
+    if not grown and shapes.walls is None and not is_hot:
         text = f"thermal growth not set ({', '.join(COLD)}): hot clearance equals cold clearance"
         out.append(Message("remark", text))
+    for part, body in (("skirt", build.piston), ("bore", build.block)):
+        if body.is_hot and (twice := [name for name in grown if name.startswith(part)]):
+            text = (
+                f"{', '.join(twice)}: expected 0 with a hot shape of the {part}, which they add to"
+            )
+            out.append(Message("warning", text))
     if build.piston.profiles and (chosen.barrel or chosen.ovality):
         text = (
             f"barrel = {_um(chosen.barrel)} and ovality = {_um(chosen.ovality)} "

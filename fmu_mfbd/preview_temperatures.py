@@ -150,8 +150,10 @@ def _on_growth(
     told = f"free growth by the temperatures of the {name}: {_um(free[0])} to {_um(free[-1])}"
     keys = f"{name}_growth_lower", f"{name}_growth_upper"
     lower, upper = (getattr(chosen, key) for key in keys)
-    if getattr(prepared, part).is_hot:
-        return [Message("remark", f"{part}.shape = 'hot': replaces the {told}")]
+    body = getattr(prepared, part)
+    if body.is_hot:
+        key = "hot shape" if body.hot else "shape = 'hot'"
+        return [Message("remark", f"{part}: {key} replaces the {told}")]
     if lower or upper:
         does = "replace the" if prepared.temperatures else "add to the"
         off = f"{_um(lower - free[0])} and {_um(upper - free[-1])}"

@@ -24,7 +24,7 @@ from .dynamics.half_films import (
 )
 from .dynamics.start_state import StartState
 from .geometry.grid import cell_centres
-from .geometry.profile import BoreOrder, MeasuredShape, fourier_bore
+from .geometry.profile import BoreOrder, HotShape, MeasuredShape, fourier_bore
 from .input_tables import Tables
 from .options import Bodies, Build
 from .reduction.reduced_body import ReducedBlock, ReducedBody, ReducedPiston, load
@@ -143,6 +143,16 @@ def asymmetries_of_bodies(
             )
     if skirt is not None and (odd_part(skirt.astype(float)) != 0.0).any():
         found.append("build.piston (openings of the skirt)")
+    return found
+
+
+def asymmetries_of_heat(hot: Mapping[str, HotShape]) -> list[str]:
+    """Return the reasons why hot shapes, by name of the body, are not their own mirror image."""
+    found = []
+    for name, shape in hot.items():
+        odd = max(float(np.abs(odd_part(one)).max()) for one in (shape.radial, shape.axial))
+        if odd > ODD_SHAPE:
+            found.append(f"build.{name} (hot shape with an odd part of {short(odd, 'm')})")
     return found
 
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 import numpy as np
 
 from ..geometry.pin import CRANK_SURFACES, PIN_SURFACES
-from ..geometry.profile import BoreOrder, MeasuredShape
+from ..geometry.profile import BoreOrder, HotShape, MeasuredShape
 from .speed_table import SpeedTable
 from .start_state import StartState
 from .tables import GasTable
@@ -26,14 +26,18 @@ class PistonOptions:
         x of pin point A from the skirt's axis [m].
     profiles : tuple of MeasuredShape
         Gaps that add to barrel and ovality.
+    hot : HotShape, optional
+        On the film grid of the hot skirt.
     is_hot : bool
-        Whether they are those of the running engine, so that the skirt does not grow.
+        Whether profiles or hot shape are those of the running engine, so that the skirt does not
+        grow.
     """
 
     file: str
     modes: int
     pin_offset: float
     profiles: tuple[MeasuredShape, ...] = ()
+    hot: HotShape | None = None
     is_hot: bool = False
 
 
@@ -58,8 +62,11 @@ class BlockOptions:
         Widenings that add to those orders.
     bore_from_outside : BoreGrid, optional
         Where another participant says how the bore deflects; None: the modes do.
+    hot : HotShape, optional
+        On the table of the bore.
     is_hot : bool
-        Whether orders and profiles are those of the running engine, so that the bore does not grow.
+        Whether orders, profiles or hot shape are those of the running engine, so that the bore does
+        not grow.
     """
 
     file: str
@@ -67,6 +74,7 @@ class BlockOptions:
     orders: tuple[BoreOrder, ...] = ()
     profiles: tuple[MeasuredShape, ...] = ()
     bore_from_outside: BoreGrid | None = None
+    hot: HotShape | None = None
     is_hot: bool = False
 
 

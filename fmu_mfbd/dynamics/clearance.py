@@ -9,6 +9,7 @@ from ..geometry.film import NO_TEMPERATURE, FilmSurface, Skirt, bore_splines
 from ..geometry.grid import cell_centres
 from ..geometry.modal_field import modal_field
 from ..geometry.profile import (
+    HotShape,
     MeasuredShape,
     barrel,
     fourier_bore,
@@ -30,7 +31,7 @@ def surfaces(
 ) -> tuple[FilmSurface, ...]:
     """Return all film surfaces from below: bands of one skirt in one bore, before `machined`."""
     angle, height = cell_centres(*options.grid, piston.skirt_lower, piston.skirt_upper)
-    gap = measured(options.piston.profiles, angle, height) + np.zeros(options.grid)
+    gap = _measured_gap(options.piston, angle, height) + np.zeros(options.grid)
     walls = options.temperatures
     warm = warmth(walls and walls.skirt, angle, height)
     classes = mode_classes(piston)
@@ -117,7 +118,18 @@ def skirt_gap(
     It is the sum of clearance, machined profile, heat, tilt and measured shapes.
     """
     gap = machined_gap(angle[:, None], height, piston.skirt_lower, piston.skirt_upper, parameters)
-    return gap + measured(options.profiles, angle, height)
+    return gap + _measured_gap(options, angle, height)
+
+
+def _measured_gap(
+    options: PistonOptions, angle: np.ndarray, height: np.ndarray
+) -> np.ndarray | int:
+    """Return the part of `skirt_gap` by measured shapes and the hot shape, (c, a) [m].
+
+    Eq. (I17):  gap(theta, Y) = profile(theta, Y - u_y) - u_r      u by Eq. (I16)
+    """
+    gap = measured(options.profiles, angle, height, options.hot)
+    return gap - options.hot.radial if options.hot else gap  # Eq. (I17)
 
 
 @compilable
@@ -135,10 +147,23 @@ def machined_gap(angle, height, lower, upper, parameters):
 
 
 def measured(
-    profiles: Sequence[MeasuredShape], angle: np.ndarray, height: np.ndarray
+    profiles: Sequence[MeasuredShape],
+    angle: np.ndarray,
+    height: np.ndarray,
+    hot: HotShape | None = None,
 ) -> np.ndarray | int:
-    """Return the sum of measured shapes, (c, a) [m], 0 if there are none."""
-    return sum(table_shape(table, angle, height) for table in profiles)
+    """Return the sum of measured shapes, (c, a) [m], 0 if there are none.
+
+    They move along y with the hot shape.
+    """
+    if hot is None:
+        return sum(table_shape(table, angle, height) for table in profiles)
+    cold = height - hot.axial
+    lines = [
+        sum(table_shape(table, angle[i : i + 1], row)[0] for table in profiles)
+        for i, row in enumerate(cold)
+    ]
+    return np.stack(lines) if profiles else 0
 
 
 def bore_shape(
@@ -155,6 +180,7 @@ def bore_shape(
 
 
 def measured_bore(heights: np.ndarray, angle: np.ndarray, options: BlockOptions) -> np.ndarray:
-    """Return the part of `bore_shape` without heat, (c, s) or (c, 1) [m]."""
-    orders = fourier_bore(options.orders, angle)[:, None]
-    return orders + measured(options.profiles, angle, heights)
+    """Return the part of `bore_shape` without linear growth, (c, s) or (c, 1) [m]."""
+    shape = fourier_bore(options.orders, angle)[:, None]
+    shape = shape + measured(options.profiles, angle, heights, options.hot)
+    return shape + options.hot.radial if options.hot else shape

@@ -192,6 +192,50 @@ def lame_constants(young: Any, poisson: Any) -> Lame:
     return Lame(first, young / (2 * (1 + poisson)))
 
 
+def thermal_load(
+    points: np.ndarray,
+    tets: np.ndarray,
+    young: Value,
+    poisson: Value,
+    expansion: Value,
+    rise: np.ndarray,
+) -> np.ndarray:
+    """Return the nodal forces that replace thermal expansion.
+
+    Eq. (M25):  f_ia = int (3 lambda + 2 mu) alpha dT N_i,a dV,   dT = sum_j N_j dT_j
+
+    The quadrature is that of the stiffness, so that a free body grows evenly to round-off.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        Node positions [m].
+    tets : ndarray of int, shape (e, 10)
+    young, poisson, expansion : float or ndarray, shape (e,)
+        [Pa], [-], [1/K], of the body or of each element.
+    rise : ndarray, shape (n,)
+        Temperature above that of the mesh without stress [K].
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        [N]; they are in equilibrium.
+
+    References
+    ----------
+    [Bathe2014] ch. 4. Checked in tests/mfbd/test_hot_shapes.py.
+    """
+    forms = [lambda u, v, w, a=a: v.grad[a] * u for a in range(3)]
+    load = np.zeros(points.shape)
+    for rows, (E, nu, alpha) in by_material(len(tets), young, poisson, expansion):
+        lame = lame_constants(E, nu)
+        slopes = _assemble(points, tets[rows], 3, forms)
+        # Eq. (M25)
+        force = np.stack([slope @ rise for slope in slopes], axis=1)
+        load += (3 * lame.first + 2 * lame.shear) * alpha * force
+    return load
+
+
 def by_material(elements: int, *values: Value) -> list[tuple[Any, tuple[float, ...]]]:
     """Return the rows of the elements of each material, and its values.
 

@@ -128,6 +128,7 @@ def material_of(
     values: Mapping[str, float | None],
     tables: Mapping[str, Mapping[str, float | None]],
     where: str = "",
+    needed: Sequence[str] = NEEDED,
 ) -> Material:
     """Return the material of a mesh.
 
@@ -145,6 +146,8 @@ def material_of(
         Properties by element set, or by name of a material in the file, in SI.
     where : str
         Begins each fault.
+    needed : sequence of str
+        Properties that each element must have.
 
     Raises
     ------
@@ -181,7 +184,7 @@ def material_of(
         for key, value in given.items():
             if value is not None:
                 table[key][rows] = value
-    faults = faults or _faults(name, table, where, sets.length)
+    faults = faults or _faults(name, table, where, sets.length, needed)
     if faults:
         raise MeshFault(faults)
     kinds = np.unique(np.nan_to_num(np.stack(list(table.values())), nan=-1.0), axis=1)
@@ -190,7 +193,7 @@ def material_of(
     return Material(**table, name=name.astype(str))
 
 
-def _faults(name, table, where, length):
+def _faults(name, table, where, length, needed):
     """Return a sentence for each property of a set that is missing or out of its range."""
     faults = []
     for one in sorted(set(name)):
@@ -199,7 +202,7 @@ def _faults(name, table, where, length):
             value = table[key][rows]
             missing = int(np.isnan(value).sum())
             wrong = value[(value < least) | (value > most)]
-            if missing and key in NEEDED:
+            if missing and key in needed:
                 got = f"nothing for {missing} elements"
                 hint = f"give {key}" + ("" if one == OTHERS else f" or materials.{one}.{key}")
             elif wrong.size:

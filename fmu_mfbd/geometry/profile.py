@@ -33,6 +33,28 @@ class MeasuredShape:
 
 
 @dataclass(frozen=True)
+class HotShape:
+    """Displacement of skirt or bore by heat or bolts, on the grid of the film or of the bore.
+
+    Parameters
+    ----------
+    radial, axial : ndarray, shape (c, a)
+        Displacement outwards and along y [m] of the material that is at each point when it is hot.
+    lower, upper : float
+        Mean displacement of the skirt's edges along y [m]; 0 for a bore.
+    motion : ndarray, shape (6,)
+        Rigid motion along x, y, z [m] and about them [rad]: of a piston about A, not contained in
+        the shape; of a bore about the origin, contained in the shape.
+    """
+
+    radial: np.ndarray
+    axial: np.ndarray
+    lower: float
+    upper: float
+    motion: np.ndarray
+
+
+@dataclass(frozen=True)
 class BoreOrder:
     """Fourier order of a bore's distortion: order [-], amplitude [m], phase [rad]."""
 

@@ -363,7 +363,9 @@ def read_body(options: Piston | Block, say: Say) -> Mesh:
     tables = {name: one.model_dump() for name, one in options.materials.items()}
     for sentence in replaced(mesh.sets, values):
         say(f"{options.mesh}: {sentence}")
-    material = material_of(mesh.sets, len(mesh.tets), values, tables, f"{options.mesh}: ")
+    needed = (*NEEDED, "expansion") if options.temperature_field else NEEDED
+    where = f"{options.mesh}: "
+    material = material_of(mesh.sets, len(mesh.tets), values, tables, where, needed)
     return replace(mesh, material=material)
 
 

@@ -7,6 +7,8 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from ..geometry.profile import HotShape
+
 FARTHEST_PIN = 0.05
 """Largest distance of pin point A from the mesh's pin bores, as a share of the skirt's radius."""
 
@@ -362,6 +364,7 @@ AnyPart = (
     | Anatomy
     | MeshProperties
     | MissingShapes
+    | HotShape
 )
 """Part of a reduced body's file."""
 Part = TypeVar("Part", bound=AnyPart)
@@ -380,7 +383,7 @@ def load(part: type[Part], path: Path) -> Part:
     ----------
     part : type
         ReducedPiston, ReducedBlock, ReducedMonoblock, ReducedBosses, ReducedShell, Anatomy,
-        MeshProperties or MissingShapes.
+        MeshProperties, MissingShapes or HotShape.
     path : Path
         .npz
 

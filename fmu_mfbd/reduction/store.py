@@ -28,11 +28,13 @@ from .reduced_body import (
     save,
 )
 
-FILES = ("mesh", "stiffness", "mass")
+FILES = ("mesh", "stiffness", "mass", "file", "table")
 """Options that name a file."""
 INCLUDE = re.compile(rb"(?im)^[ \t]*(?:\*[^\n]*\binput[ \t]*=|include[ \t])[ \t'\"]*([^'\",\r\n]+)")
 """Name of an included file in a deck of Abaqus or Nastran."""
-LATER_OPTIONS = ("part", "materials", "expansion")
+HOT = ("hot_shape", "temperature_field")
+"""Options of a hot shape, on which modes do not depend."""
+LATER_OPTIONS = ("part", "materials", "expansion", *HOT)
 """Options that are no part of a key if they have no value."""
 SOURCES = ("finite_elements", "geometry", "reduction")
 """Folders whose code determines a reduced body."""
@@ -112,7 +114,7 @@ def _decided(
     options: Piston | Block, grid: Grid, training: Training | None, bosses: ShellFilm | None
 ) -> dict[str, Any]:
     """Return what determines a reduced body besides the code."""
-    later = {"profiles", "orders", "reduced", "train_on", "pin_offset", "shape", "expansion"}
+    later = {"profiles", "orders", "reduced", "train_on", "pin_offset", "shape", "expansion", *HOT}
     if not options.modes:
         later |= IF_FLEXIBLE
     slides = isinstance(options, Piston) and options.tie in (None, "sliding")
@@ -134,9 +136,10 @@ def contents(options: BaseModel, excluded: Collection[str] = ()) -> dict[str, An
     for key in LATER_OPTIONS:  # which shipped files do not have
         if not out.get(key, True):
             del out[key]
-    for key in FILES:
-        if out.get(key):
-            out[key] = _digest(Path(out[key]))
+    for table in (out, *(out[key] for key in HOT if key in out)):
+        for key in FILES:
+            if table.get(key):
+                table[key] = _digest(Path(table[key]))
     return out
 
 

@@ -91,7 +91,9 @@ def shapes_of(cold, hot):
 @pytest.mark.parametrize("fit, kinds", [(-173e-6, ["fault"]), (-10e-6, []), (0.4e-3, ["warning"])])
 def test_a_mesh_of_a_skirt_wider_than_the_bore_is_a_fault(fit, kinds):
     piston, block = (SimpleNamespace(body=SimpleNamespace(radius=r)) for r in (43e-3, 43e-3 + fit))
-    build = SimpleNamespace(piston=SimpleNamespace(modes=60, rigid=None, profiles=[]))
+    cold = {"is_hot": False}
+    part = SimpleNamespace(modes=60, rigid=None, profiles=[], **cold)
+    build = SimpleNamespace(piston=part, block=SimpleNamespace(**cold))
     chosen = Parameters(radial_clearance=25e-6, barrel=20e-6, skirt_growth_upper=1e-6)
     messages = messages_on_fit(build, piston, block, chosen, shapes_of(1e-6, 1e-6))
     assert [message.kind for message in messages] == kinds
