@@ -86,14 +86,14 @@ def tables_of(open_cells: Flags, bearing: bool, mirrored: bool = False) -> Table
     first, last, rows = half_grid(whole) if mirrored else (0, whole, np.arange(whole))
     cells = np.ascontiguousarray(open_cells[first:last])
     return Tables(
-        bearing,
-        cells,
-        np.array([contact_table(law) for law in CONTACT_LAWS]),
-        Halves(*(each[first:last] for each in halves(whole))),
-        oil_layer.skirt_edges(cells),
-        rows.astype(float),
-        np.zeros(cells.shape),
-        np.zeros(roughness.TABLE),
+        bearing=bearing,
+        open_cells=cells,
+        contact=np.array([contact_table(law) for law in CONTACT_LAWS]),
+        halves=Halves(*(each[first:last] for each in halves(whole))),
+        faces=oil_layer.skirt_edges(cells),
+        rows=rows.astype(float),
+        beside=np.zeros(cells.shape),
+        factors=np.zeros(roughness.TABLE),
     )
 
 
@@ -233,30 +233,30 @@ def fixed_of(x: Any, chosen: Any, tables: Tables, on_bore: bool) -> FilmConstant
     if chosen.flow_factors == PATIR_CHENG_1978:
         factors = tables.factors
     surfaces = parts.Surfaces(
-        images_of(tables) * (cells.dx * cells.dy),
-        contact_constants(x, tables.contact[int(chosen.contact_law) - 1]),
-        tables.halves,
-        coating.compliance(x.coating_thickness, x.coating_modulus, x.coating_poisson),
-        x.coating_thickness,
-        x.cavitation_pressure,
-        x.friction_rounding_velocity,
-        chosen.cavity_shear == BY_FILM_FRACTION,
+        area=images_of(tables) * (cells.dx * cells.dy),
+        contact=contact_constants(x, tables.contact[int(chosen.contact_law) - 1]),
+        halves=tables.halves,
+        compliance=coating.compliance(x.coating_thickness, x.coating_modulus, x.coating_poisson),
+        coating_thickness=x.coating_thickness,
+        cavitation_pressure=x.cavitation_pressure,
+        rounding_velocity=x.friction_rounding_velocity,
+        by_oil=chosen.cavity_shear == BY_FILM_FRACTION,
     )
     thinning = thinning_law(int(chosen.shear_thinning_law) - 1, x)
     supply = oil_layer.Supply(
-        on_bore and chosen.oil_supply != FROM_EDGES,
-        chosen.oil_supply == FROM_BORE_AND_RING,
-        x.initial_oil_layer,
-        x.stroke,
-        x.chamfer_capacity,
-        x.largest_oil_layer,
+        followed=on_bore and chosen.oil_supply != FROM_EDGES,
+        ring=chosen.oil_supply == FROM_BORE_AND_RING,
+        initial_layer=x.initial_oil_layer,
+        stroke=x.stroke,
+        chamfer_capacity=x.chamfer_capacity,
+        largest_layer=x.largest_oil_layer,
     )
     return FilmConstants(
-        domain,
-        surfaces,
-        FilmLaws(x.minimum_flow_film, x.roughness_rms, factors, thinning),
-        tables.bearing,
-        SHARE_OF_A_BEARING if tables.bearing else SHARE_OF_A_SKIRT,
-        x.bore_radius,
-        oil_layer.bore_of(supply, tables.faces, cells, n_a),
+        domain=domain,
+        surfaces=surfaces,
+        laws=FilmLaws(x.minimum_flow_film, x.roughness_rms, factors, thinning),
+        bearing=tables.bearing,
+        share=SHARE_OF_A_BEARING if tables.bearing else SHARE_OF_A_SKIRT,
+        radius=x.bore_radius,
+        bore=oil_layer.bore_of(supply, tables.faces, cells, n_a),
     )

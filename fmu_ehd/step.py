@@ -143,16 +143,16 @@ def acting_of(
     """Return the forces of a solved film; note a fault if they are not finite."""
     outside = inputs.around.outside
     film = parts.SolvedFilm(
-        inputs.hard_film,
-        seen.deflection,
-        seen.steps,
-        inputs.velocity,
-        inputs.turning,
-        raised(seen.flow.quantities, seen.under.ratio),
-        seen.under.pressure,
-        seen.fraction,
-        outside.lower,
-        outside.upper,
+        hard_film=inputs.hard_film,
+        deflection=seen.deflection,
+        steps=seen.steps,
+        velocity=inputs.velocity,
+        turning=inputs.turning,
+        quantities=raised(seen.flow.quantities, seen.under.ratio),
+        pressure=seen.under.pressure,
+        fraction=seen.fraction,
+        lower=outside.lower,
+        upper=outside.upper,
     )
     acted = parts.forces(film, fixed.surfaces, fixed.domain, faults)
     powers = FrictionPowers(acted.summary.power, acted.boundary_power)
@@ -171,12 +171,12 @@ def fields_of(acting: SurfaceForces, fraction: Array) -> Fields:
     """Return the outputs of each cell."""
     acted = acting.along
     return Fields(
-        acted.pressure,
-        acted.friction,
-        acted.absolute,
-        acted.contact.pressure,
-        fraction,
-        acting.around,
+        nodal_pressure_force=acted.pressure,
+        nodal_friction_force=acted.friction,
+        pressure=acted.absolute,
+        asperity_pressure=acted.contact.pressure,
+        film_fraction=fraction,
+        nodal_circumferential_force=acting.around,
     )
 
 
@@ -270,25 +270,33 @@ def start(
     acting = acting_of(fixed, inputs, ForceInputs(still, steps, flow, under, fraction), faults)
     no_flow = np.zeros((n_c, n_a + 1))
     before = parts.PreviousFilm(
-        unknown,
-        unknown,
-        under.pressure,
-        content,
-        still,
-        still,
-        still,
-        film[:CARRIERS],
-        film[:CARRIERS],
-        no_flow,
-        no_flow,
-        0.0,
+        unknown=unknown,
+        unknown_before=unknown,
+        pressure=under.pressure,
+        content=content,
+        growth=still,
+        growth_before=still,
+        deflection=still,
+        film=film[:CARRIERS],
+        film_before=film[:CARRIERS],
+        passed=no_flow,
+        travel=no_flow,
+        step=0.0,
     )
     layer = oil_layer.none_followed()
     if fixed.bore.supply.followed:
         layer = oil_layer.start(fixed.bore, inputs.velocity, domain.open_cells)
     oil = sum_of_products(content, fixed.surfaces.area)
     heat = acting.powers.friction
-    ledger = parts.BalanceScalars(0.0, 0.0, (0.0, 0.0, 0.0), 0.0, 0.0, oil, heat)
+    ledger = parts.BalanceScalars(
+        boundary_share=0.0,
+        received_power=0.0,
+        flows=(0.0, 0.0, 0.0),
+        outflow=0.0,
+        imbalance=0.0,
+        oil_in_film=oil,
+        heat=heat,
+    )
     if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, domain.cells):
         remark(faults, FAULT.narrow_steps)
     totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume)
@@ -343,13 +351,13 @@ def solve(
     sheared = sheared_of(inputs)
     flow = flow_film(inputs.hard_film, sheared, fixed.laws)
     given = BalanceInputs(
-        flow.quantities,
-        begun.entrainment,
-        begun.edges,
-        begun.begin.start,
-        begun.begin.guess,
-        Softness(np.zeros((0, 0, 0)), nothing, nothing),
-        begun.lift,
+        film=flow.quantities,
+        entrainment=begun.entrainment,
+        edges=begun.edges,
+        start=begun.begin.start,
+        full=begun.begin.guess,
+        softness=Softness(np.zeros((0, 0, 0)), nothing, nothing),
+        lift=begun.lift,
     )
     surfaces = fixed.surfaces
     if surfaces.compliance > 0.0:
@@ -413,59 +421,56 @@ def end(
     acting = acting_of(fixed, inputs, seen, faults)
     acted = acting.along
     law = inputs.around.pressure_law
-    highest = acted.summary.highest - fixed.surfaces.cavitation_pressure
+    cavitation = fixed.surfaces.cavitation_pressure
+    highest = acted.summary.highest - cavitation
     if law.kind != PRESSURE_VISCOSITY_LAWS.none and highest > law.limit:
         remark(faults, FAULT.beyond_pressure_law)
     axial = begun.entrainment.axial
     went = parts.passage(before, begun.begin, found, axial, length, domain)
     account = parts.account(
-        before,
-        memory.totals,
-        acted,
-        acting.powers,
-        found,
-        went.growth,
-        fixed.surfaces.cavitation_pressure,
-        length,
+        before, memory.totals, acted, acting.powers, found, went.growth, cavitation, length
     )
     layer = _layer_left(fixed, memory, inputs, begun, solved, went.passed)
-    flows = float(found.edge_flow[LOWER]), float(found.edge_flow[UPPER]), found.from_openings
-    share, received = account.boundary_share, account.received_power
-    outflow = parts.leaving_above(found.axial_flow)
     ledger = parts.BalanceScalars(
-        share, received, flows, outflow, found.mass_imbalance, account.oil, account.heat
+        boundary_share=account.boundary_share,
+        received_power=account.received_power,
+        flows=(float(found.edge_flow[LOWER]), float(found.edge_flow[UPPER]), found.from_openings),
+        outflow=parts.leaving_above(found.axial_flow),
+        imbalance=found.mass_imbalance,
+        oil_in_film=account.oil,
+        heat=account.heat,
     )
     after = parts.PreviousFilm(
-        found.unknown,
-        before.unknown,
-        under.pressure,
-        found.content,
-        went.growth,
-        before.growth,
-        solved.deflection,
-        flow.quantities[:CARRIERS],
-        before.film,
-        went.passed,
-        went.travel,
-        length,
+        unknown=found.unknown,
+        unknown_before=before.unknown,
+        pressure=under.pressure,
+        content=found.content,
+        growth=went.growth,
+        growth_before=before.growth,
+        deflection=solved.deflection,
+        film=flow.quantities[:CARRIERS],
+        film_before=before.film,
+        passed=went.passed,
+        travel=went.travel,
+        step=length,
     )
     parts.check_kept(after, account.totals, faults)
     last = LastStep(
-        flow.quantities,
-        flow.slopes,
-        flow.slopes_around,
-        under,
-        solved_filling(found, domain.model),
-        begun.edges,
-        begun.begin.start.length,
-        found.unknown,
-        found.full,
-        found.stencil,
-        acted.shear,
-        acted.contact.pressure_slope,
-        acted.contact.shear_stress_slope,
-        acted.touching,
-        turning_of(fixed, inputs),
+        film=flow.quantities,
+        slopes=flow.slopes,
+        slopes_around=flow.slopes_around,
+        under=under,
+        filling=solved_filling(found, domain.model),
+        edges=begun.edges,
+        length=begun.begin.start.length,
+        unknown=found.unknown,
+        full=found.full,
+        stencil=found.stencil,
+        shear=acted.shear,
+        pressure_slope=acted.contact.pressure_slope,
+        stress_slope=acted.contact.shear_stress_slope,
+        touching=acted.touching,
+        turning=turning_of(fixed, inputs),
     )
     return StepResult(
         Memory(after, account.totals, layer, memory.steps),

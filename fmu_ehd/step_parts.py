@@ -218,13 +218,13 @@ def shear_inputs(film: SolvedFilm, touching: Contact, surfaces: Surfaces, domain
         shearing = np.ones(film.fraction.shape)
     constants = ShearConstants(film.lower, film.upper, domain.cells.dy, surfaces.rounding_velocity)
     return ShearInputs(
-        film.pressure,
-        shearing,
-        film.velocity,
-        film.quantities,
-        touching.shear_stress,
-        surfaces.area,
-        constants,
+        pressure=film.pressure,
+        shearing=shearing,
+        velocity=film.velocity,
+        film=film.quantities,
+        boundary_stress=touching.shear_stress,
+        area=surfaces.area,
+        constants=constants,
     )
 
 
@@ -291,16 +291,16 @@ def forces(film: SolvedFilm, surfaces: Surfaces, domain: Domain, faults: Array):
     if not np.isfinite(sums + whole.friction.thrust + whole.friction.anti_thrust):
         refuse_forces(normal, along, film, faults)
     return Forces(
-        normal,
-        along,
-        absolute,
-        touching,
-        touches,
-        shear,
-        whole,
-        boundary_power,
-        stored,
-        volume,
+        pressure=normal,
+        friction=along,
+        absolute=absolute,
+        contact=touching,
+        touching=touches,
+        shear=shear,
+        summary=whole,
+        boundary_power=boundary_power,
+        stored=stored,
+        volume=volume,
     )
 
 

@@ -138,14 +138,31 @@ def linearise(fixed: FilmConstants, last: LastStep) -> Linearisation:
         if fixed.bearing:
             across = dry * turning.velocity / speed
     to_turning = np.zeros((0, 0, 0, 0))
-    around = CircumferentialSlopes(none, none, none, none, none, none, none)
+    around = CircumferentialSlopes(
+        film=none,
+        own=none,
+        axial=none,
+        shearing=none,
+        gradient=none,
+        pressure=none,
+        axial_across=none,
+    )
     if fixed.bearing:
         to_turning = balance_slopes(fixed, last, last.slopes_around, fixed.share, 0.0)
         to_w = _raised_slopes(last.slopes_around, under.ratio)
         by_pressure = _by_pressure(shear, turning.velocity, couette, under)
         around = circumferential.force_slopes(shear, turning, to_v, to_w, by_pressure)
     stencil = balance_slopes(fixed, last, last.slopes, 0.0, fixed.share)
-    return Linearisation(stencil, to_turning, film, around, weight, normal, along, across)
+    return Linearisation(
+        stencil=stencil,
+        stencil_around=to_turning,
+        film=film,
+        around=around,
+        weight=weight,
+        contact_pressure=normal,
+        contact_shear=along,
+        contact_around=across,
+    )
 
 
 @compilable

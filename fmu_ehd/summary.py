@@ -124,12 +124,12 @@ def summarise(
             radial[side] += part * abs(sine[i]) * normal
             friction[side] += part * (wet + dry)
     return Summary(
-        HalfValues(thinnest[0], thinnest[1]),
-        highest,
-        HalfValues(radial[0], radial[1]),
-        HalfValues(friction[0], friction[1]),
-        hydrodynamic,
-        asperity,
-        power,
-        area / max(count, 1.0),
+        thinnest=HalfValues(thinnest[0], thinnest[1]),
+        highest=highest,
+        radial=HalfValues(radial[0], radial[1]),
+        friction=HalfValues(friction[0], friction[1]),
+        hydrodynamic=hydrodynamic,
+        asperity=asperity,
+        power=power,
+        contact_area=area / max(count, 1.0),
     )

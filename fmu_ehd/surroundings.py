@@ -74,7 +74,15 @@ def surroundings_of(x: Any, chosen: Any, temperature: Array, images: Array) -> S
     outside = outside_of(x, chosen)
     n_c, n_a = temperature.shape
     edges = edges_of(x, chosen, outside, law, (n_c, n_a))
-    return Surroundings(edges, outside, temperature, viscosity, law, x.oil_ring_layer, x.oil_splash)
+    return Surroundings(
+        edges=edges,
+        outside=outside,
+        temperature=temperature,
+        viscosity=viscosity,
+        pressure_law=law,
+        ring_layer=x.oil_ring_layer,
+        splash=x.oil_splash,
+    )
 
 
 def changed_numbers(

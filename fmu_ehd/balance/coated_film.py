@@ -162,13 +162,13 @@ def balanced(
     StepSolution
     """
     now = BalanceInputs(
-        flow.quantities,
-        last.entrainment,
-        last.edges,
-        last.start,
-        last.full,
-        last.softness,
-        last.lift,
+        film=flow.quantities,
+        entrainment=last.entrainment,
+        edges=last.edges,
+        start=last.start,
+        full=last.full,
+        softness=last.softness,
+        lift=last.lift,
     )
     equations = film_step.equations_of(now, domain)
     put(equations.lift, found.lift)
@@ -216,7 +216,13 @@ def solve(
         filling = Filling(balance_pressure(domain.model, unknown, reduced), 1.0 + deficit, lift)
         soft = softness(pressed, deflection, layer, given, flow, filling, reduced, domain)
         now = BalanceInputs(
-            flow.quantities, given.entrainment, given.edges, given.start, guess, soft, given.lift
+            film=flow.quantities,
+            entrainment=given.entrainment,
+            edges=given.edges,
+            start=given.start,
+            full=guess,
+            softness=soft,
+            lift=given.lift,
         )
         found = film_step.solve(now, domain, solver, faults)
         factorisations += found.iterations

@@ -298,7 +298,15 @@ def equations_of(given: BalanceInputs, domain: Domain):
     held = Storage(film[STORED], given.start.content, rate)
     model = domain.model
     follows = model.switching or (model.clipping and given.softness.weight.size > 0)
-    return Equations(faces, lift, held, given.edges, given.softness, domain, follows)
+    return Equations(
+        faces=faces,
+        lift=lift,
+        storage=held,
+        edges=given.edges,
+        softness=given.softness,
+        domain=domain,
+        follows_pattern=follows,
+    )
 
 
 @compiled
@@ -329,19 +337,19 @@ def solved(found: FullCells, pressure: Array, balance: reynolds.Balance, equatio
         spilled = openings.spilled(domain.open_cells, filling, equations.faces)
         from_openings = openings.given(domain.open_cells, flow, spilled)
     return FilmSolution(
-        found.unknown,
-        pressure,
-        balance.film_fraction,
-        balance.content,
-        found.full,
-        flow,
-        balance.edge_flow,
-        from_openings,
-        spilled,
-        balance.imbalance,
-        found.iterations,
-        equations.lift,
-        found.stencil,
+        unknown=found.unknown,
+        pressure=pressure,
+        film_fraction=balance.film_fraction,
+        content=balance.content,
+        full=found.full,
+        axial_flow=flow,
+        edge_flow=balance.edge_flow,
+        from_openings=from_openings,
+        spilled=spilled,
+        mass_imbalance=balance.imbalance,
+        iterations=found.iterations,
+        lift=equations.lift,
+        stencil=found.stencil,
     )
 
 

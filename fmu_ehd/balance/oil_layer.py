@@ -201,7 +201,16 @@ def bore_of(supply: Supply, faces: Array, cells: Cells, n_a: int) -> Bore:
     for i in range(n_c):
         for k in range(bottom.size):
             area[i, k] = images(cells.mirrored, i, n_c) * cells.dx * cells.dy
-    return Bore(supply, cells, n_a * cells.dy, beyond, faces, heights, bottom, area)
+    return Bore(
+        supply=supply,
+        cells=cells,
+        length=n_a * cells.dy,
+        beyond=beyond,
+        faces=faces,
+        heights=heights,
+        bottom=bottom,
+        area=area,
+    )
 
 
 @compilable
@@ -218,14 +227,34 @@ def start(bore: Bore, velocity: Array, open_cells: Flags) -> OilLayer:
     mean = mean_of(velocity, open_cells, bore.cells)
     held = sum_of_products(layer, bore.area)
     nothing = np.zeros(bore.faces.shape)
-    return OilLayer(layer, nothing, np.zeros(velocity.shape), 0.0, 0.0, mean, mean, 0.0, held)
+    return OilLayer(
+        bore=layer,
+        reservoir=nothing,
+        spilled=np.zeros(velocity.shape),
+        reached=0.0,
+        height=0.0,
+        velocity=mean,
+        velocity_before=mean,
+        supplied=0.0,
+        held=held,
+    )
 
 
 @compilable
 def none_followed() -> OilLayer:
     """Return the oil layer of a film without oil outside it."""
     nothing = np.zeros((0, 0))
-    return OilLayer(nothing, nothing, nothing, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return OilLayer(
+        bore=nothing,
+        reservoir=nothing,
+        spilled=nothing,
+        reached=0.0,
+        height=0.0,
+        velocity=0.0,
+        velocity_before=0.0,
+        supplied=0.0,
+        held=0.0,
+    )
 
 
 @compiled
@@ -312,15 +341,15 @@ def covered(
             reservoir[edge, i] += sum_of_products(taken[i : i + 1], bore.area[i : i + 1])
     added = sum_of_products(brought, bore.area) + (volume(bore, layer) - layer.held)
     return OilLayer(
-        oil,
-        reservoir,
-        layer.spilled,
-        reached,
-        layer.height,
-        layer.velocity,
-        layer.velocity_before,
-        layer.supplied + added,
-        layer.held,
+        bore=oil,
+        reservoir=reservoir,
+        spilled=layer.spilled,
+        reached=reached,
+        height=layer.height,
+        velocity=layer.velocity,
+        velocity_before=layer.velocity_before,
+        supplied=layer.supplied + added,
+        held=layer.held,
     )
 
 
@@ -407,15 +436,15 @@ def left(
     fallen = np.maximum(reservoir - capacity, 0.0)  # Eq. (T25)
     reservoir = reservoir - fallen
     return OilLayer(
-        oil,
-        reservoir,
-        passed.spilled,
-        covered.reached,
-        before.height + 0.5 * length * (before.velocity + velocity),  # Eq. (T26)
-        velocity,
-        before.velocity,
-        covered.supplied - sum_of_products(fallen, np.ones(fallen.shape)),
-        _held(bore, oil, reservoir),
+        bore=oil,
+        reservoir=reservoir,
+        spilled=passed.spilled,
+        reached=covered.reached,
+        height=before.height + 0.5 * length * (before.velocity + velocity),  # Eq. (T26)
+        velocity=velocity,
+        velocity_before=before.velocity,
+        supplied=covered.supplied - sum_of_products(fallen, np.ones(fallen.shape)),
+        held=_held(bore, oil, reservoir),
     )
 
 

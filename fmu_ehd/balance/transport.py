@@ -302,7 +302,14 @@ def _expected_film(past, states, ratio, travel, supply, width):
     mobile = _expected(past, TRANSPORT, ratio)
     between = _face_film(mobile, _expected(past, CONDUCTIVITY_A, ratio), states)
     return TransportFilm(
-        stored, mobile, between, travel, states.full, states.resting, supply, width
+        stored=stored,
+        mobile=mobile,
+        between=between,
+        travel=travel,
+        full=states.full,
+        resting=states.resting,
+        supply=supply,
+        width=width,
     )
 
 

@@ -191,13 +191,13 @@ def _energy_integral(table, separation):
 def contact_constants(x: Any, table: Array) -> ContactConstants:
     """Return the constants of a contact, by numbers `x` with names, and `contact_table`."""
     return ContactConstants(
-        x.roughness_rms,
-        pressure_scale(x.asperity_product, x.asperity_slope, x.contact_modulus),
-        np.pi**2 * x.asperity_product**2,
-        x.boundary_friction_coefficient,
-        x.boundary_shear_strength,
-        x.summit_height,
-        table,
+        roughness_rms=x.roughness_rms,
+        pressure_scale=pressure_scale(x.asperity_product, x.asperity_slope, x.contact_modulus),
+        area_scale=np.pi**2 * x.asperity_product**2,
+        friction_coefficient=x.boundary_friction_coefficient,
+        shear_strength=x.boundary_shear_strength,
+        summit_height=x.summit_height,
+        table=table,
     )
 
 
@@ -248,4 +248,11 @@ def point_contact(film_thickness, constants):
     stress = friction_coefficient * pressure + shear_strength * area  # Eq. (A6)
     dstress = friction_coefficient * slope + shear_strength * darea
     energy = scale * rms * _energy_integral(table, separation)  # Eq. (A9)
-    return PointContact(pressure, slope, area, stress, dstress, energy)
+    return PointContact(
+        pressure=pressure,
+        pressure_slope=slope,
+        area_fraction=area,
+        shear_stress=stress,
+        shear_stress_slope=dstress,
+        energy=energy,
+    )

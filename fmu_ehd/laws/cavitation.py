@@ -156,7 +156,9 @@ def switch(full: Flags, unknown: Array, fixed: Flags, conserving: bool, singly: 
         for j in range(full.shape[1]):
             u = unknown[i, j]
             if not np.isfinite(u):
-                return PatternChange(pattern, -1, lowest, highest, i, j)
+                return PatternChange(
+                    pattern=pattern, switched=-1, lowest=lowest, highest=highest, i=i, j=j
+                )
             if not fixed[i, j] and (u < -tolerance if full[i, j] else u > over):
                 if count == 0:
                     first_i = i
@@ -166,7 +168,9 @@ def switch(full: Flags, unknown: Array, fixed: Flags, conserving: bool, singly: 
                     lowest = min(lowest, j)
                     highest = max(highest, j)
                 count += 1
-    return PatternChange(pattern, count, lowest, highest, first_i, first_j)
+    return PatternChange(
+        pattern=pattern, switched=count, lowest=lowest, highest=highest, i=first_i, j=first_j
+    )
 
 
 @compilable

@@ -223,7 +223,14 @@ def contact(
     slope = np.zeros((5, n_c, n_a))
     stress_slope = np.zeros((5, n_c, n_a))
     if constants.roughness_rms <= 0.0:
-        return Contact(pressure, area, stress, slope, stress_slope, energy)
+        return Contact(
+            pressure=pressure,
+            area_fraction=area,
+            shear_stress=stress,
+            pressure_slope=slope,
+            shear_stress_slope=stress_slope,
+            energy=energy,
+        )
     reach = constants.summit_height + TABLE_END * constants.roughness_rms
     higher = np.zeros(5)  # by how much the neighbours' gap is wider
     there = np.zeros(5, np.bool_)
@@ -273,7 +280,14 @@ def contact(
                 each[WEST, 0, j] = 0.0
                 each[WEST, n_c - 1, j] += each[EAST, n_c - 1, j]
                 each[EAST, n_c - 1, j] = 0.0
-    return Contact(pressure, area, stress, slope, stress_slope, energy)
+    return Contact(
+        pressure=pressure,
+        area_fraction=area,
+        shear_stress=stress,
+        pressure_slope=slope,
+        shear_stress_slope=stress_slope,
+        energy=energy,
+    )
 
 
 @compiled

@@ -106,14 +106,30 @@ def pressure_law(
         return _barus_1893(alpha, table)
     if kind == PRESSURE_VISCOSITY_LAWS.roelands_1966:
         return _roelands_1966(alpha, viscosity, images, table)
-    return PressureLaw(PRESSURE_VISCOSITY_LAWS.none, alpha, 0.0, 0.0, np.inf, np.inf, table)
+    return PressureLaw(
+        kind=PRESSURE_VISCOSITY_LAWS.none,
+        alpha=alpha,
+        level=0.0,
+        z=0.0,
+        limit=np.inf,
+        most=np.inf,
+        table=table,
+    )
 
 
 @compiled
 def _barus_1893(alpha, table):
     limit = np.log(LARGEST_RATIO) / alpha
     most = -np.expm1(-alpha * limit) / alpha  # Eq. (O6)
-    return PressureLaw(PRESSURE_VISCOSITY_LAWS.barus_1893, alpha, 0.0, 0.0, limit, most, table)
+    return PressureLaw(
+        kind=PRESSURE_VISCOSITY_LAWS.barus_1893,
+        alpha=alpha,
+        level=0.0,
+        z=0.0,
+        limit=limit,
+        most=most,
+        table=table,
+    )
 
 
 @compiled
@@ -128,7 +144,7 @@ def _roelands_1966(alpha, viscosity, images, table):
     level = np.log(total / max(cells, 1.0)) + POLE_LOGARITHM
     z = alpha * POLE_PRESSURE / level
     growth = np.log(LARGEST_RATIO) / level
-    law = PressureLaw(kind, alpha, level, z, np.inf, 0.0, table)
+    law = PressureLaw(kind=kind, alpha=alpha, level=level, z=z, limit=np.inf, most=0.0, table=table)
     for k in range(table.shape[1]):
         power = 1.0 + growth * ((k - SUCTION_CELLS) / TABLE_CELLS)
         base = power ** (1.0 / z) if k >= SUCTION_CELLS else (k / SUCTION_CELLS) ** TOWARDS_POLE
@@ -141,7 +157,15 @@ def _roelands_1966(alpha, viscosity, images, table):
     for k in range(SUCTION_CELLS - 1, -1, -1):
         table[ROW.reduced, k] = table[ROW.reduced, k + 1] - _part(law, k)
     limit = table[ROW.pressure, -1]
-    return PressureLaw(kind, alpha, level, z, limit, table[ROW.reduced, -1], table)
+    return PressureLaw(
+        kind=kind,
+        alpha=alpha,
+        level=level,
+        z=z,
+        limit=limit,
+        most=table[ROW.reduced, -1],
+        table=table,
+    )
 
 
 @compiled

@@ -207,7 +207,16 @@ def _telling(progress: Callable[[Progress], object], begin: float) -> Callable[.
     ) -> None:
         share = (time - begin) / (stop - begin)
         residual = float(solution.history[-1])
-        progress(Progress(share, time, stop, solution.iterations, residual, monitored))
+        progress(
+            Progress(
+                share=share,
+                time=time,
+                stop=stop,
+                iterations=solution.iterations,
+                residual=residual,
+                monitored=monitored,
+            )
+        )
 
     return watch
 

@@ -174,12 +174,12 @@ def part(whole: Interface, one: Component, method: Method, parallel: bool) -> Pa
     elements = [indices[whole.parts[k]] for k in chosen]
     given = [np.full(len(e), w.source[0] == UPSTREAM) for w, e in zip(wires, elements)]
     return Part(
-        one,
-        Interface(participants, wires, parallel and one.is_loop, discrete),
-        np.array(chosen, int),
-        np.concatenate([*elements, np.zeros(0, int)]),
-        np.concatenate([*given, np.zeros(0, bool)]),
-        copy(method) if one.is_iterated else Explicit(),
+        component=one,
+        interface=Interface(participants, wires, parallel and one.is_loop, discrete),
+        wires=np.array(chosen, int),
+        elements=np.concatenate([*elements, np.zeros(0, int)]),
+        given=np.concatenate([*given, np.zeros(0, bool)]),
+        method=copy(method) if one.is_iterated else Explicit(),
     )
 
 
@@ -234,14 +234,14 @@ class Componentwise:
             whole.trail += _merged(trails, len(whole.wires))
             self._account(whole)
         return Solution(
-            x,
-            tuple(map(largest, whole.trail)),
-            sum(one.jacobians for one in solutions),
-            sum(one.products for one in solutions),
-            sum(one.probes for one in solutions),
-            held,
-            tuple(message for one in solutions for message in one.messages),
-            sum(one.unsettled for one in solutions),
+            x=x,
+            history=tuple(map(largest, whole.trail)),
+            jacobians=sum(one.jacobians for one in solutions),
+            products=sum(one.products for one in solutions),
+            probes=sum(one.probes for one in solutions),
+            held=held,
+            messages=tuple(message for one in solutions for message in one.messages),
+            unsettled=sum(one.unsettled for one in solutions),
         )
 
     def _is_past(self, macro_step: MacroStep, k: int) -> bool:

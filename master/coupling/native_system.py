@@ -57,14 +57,14 @@ def system_of(memory: np.ndarray):
     parts = parts_of(memory)
     given = given_of(memory)
     return System(
-        given.layout,
-        given.participants,
-        given.wires,
-        given.order,
-        parts.inside,
-        state_of(memory).standing,
-        parts.failures,
-        parts.faults,
+        layout=given.layout,
+        participants=given.participants,
+        wires=given.wires,
+        order=given.order,
+        inside=parts.inside,
+        standing=state_of(memory).standing,
+        failures=parts.failures,
+        faults=parts.faults,
     )
 
 

@@ -104,13 +104,13 @@ def layout_of(wires: Sequence[Wire], order: Sequence[str], parallel: bool) -> La
             own[:] = own[thrust_image(len(own))]
     half = unknowns[unknowns <= images[unknowns]]
     return Layout(
-        ends,
-        unknowns,
-        half,
-        images[half],
-        by_element(wire.nominal for wire in wires),
-        by_element(wire.tolerance for wire in wires),
-        np.array(limits, float),
+        ends=ends,
+        unknowns=unknowns,
+        half=half,
+        images=images[half],
+        nominal=by_element(wire.nominal for wire in wires),
+        tolerance=by_element(wire.tolerance for wire in wires),
+        largest_decrease=np.array(limits, float),
     )
 
 

@@ -217,7 +217,14 @@ def _difference(
                 worst, message = share, said
             else:
                 remark = remark or said
-    return RollbackTrial("", worst if message else 0.0, message, sizes, plain[-1], remark)
+    return RollbackTrial(
+        fault="",
+        noise=worst if message else 0.0,
+        message=message,
+        sizes=sizes,
+        outputs=plain[-1],
+        remark=remark,
+    )
 
 
 def _size(value: np.ndarray) -> float:

@@ -61,13 +61,15 @@ def _code(participant: FmuParticipant) -> str:
 
 def _rehearsal(system: System, name: str, participant: FmuParticipant) -> Rehearsal:
     return Rehearsal(
-        participant.path,
-        name,
-        dict(system.parameters[name]),
-        system.begin,
-        system.step,
-        tuple(wire.target[1] for wire in system.wires if wire.target[0] == name),
-        tuple(dict.fromkeys(wire.source[1] for wire in system.wires if wire.source[0] == name)),
+        path=participant.path,
+        name=name,
+        parameters=dict(system.parameters[name]),
+        begin=system.begin,
+        step=system.step,
+        inputs=tuple(wire.target[1] for wire in system.wires if wire.target[0] == name),
+        outputs=tuple(
+            dict.fromkeys(wire.source[1] for wire in system.wires if wire.source[0] == name)
+        ),
     )
 
 

@@ -149,7 +149,15 @@ def update(derivative: Any, step: Any, answer: Answer, rules: Any, layout: Layou
     scale = layout.nominal[unknowns] / np.sqrt(1.0 + (images != unknowns))
     right = (at.outputs - at.used)[unknowns] / scale
     products = np.empty((max(rules.largest_krylov_space, 1), size))
-    linear = NewtonSystem(derivative, step, unknowns, images, scale, np.zeros(size), products)
+    linear = NewtonSystem(
+        derivative=derivative,
+        step=step,
+        unknowns=unknowns,
+        images=images,
+        scale=scale,
+        seed=np.zeros(size),
+        products=products,
+    )
     limits = rules.accuracy * answer.allowed[unknowns] / scale
     goal = Goal(limits, rules.forcing * length(right))
     most = rules.largest_krylov_space
@@ -248,4 +256,11 @@ def converge(
         history[count] = answer.measure
         count += 1
     found = 0.0 <= answer.measure <= 1.0
-    return Iterated(answer.at, history[:count], products, first, failure, found)
+    return Iterated(
+        at=answer.at,
+        history=history[:count],
+        products=products,
+        first=first,
+        failure=failure,
+        is_converged=found,
+    )
