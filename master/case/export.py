@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..coupling.coupled import Coupled
+from ..coupling.methods import METHODS
 from ..coupling.native_given import (
     coupled_inside,
     not_started_with,
@@ -72,6 +73,11 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
         for wire in case.wires
         if (kind := wire.interpolation or case.coupling.inputs) != "held"
     ]
+    if case.coupling.method not in METHODS:
+        given.append(
+            f"coupling.method: expected one of {', '.join(METHODS)} inside one FMU, "
+            f"got {case.coupling.method!r}"
+        )
     given += _uncovered_ahead(case, platforms) if platforms else []
     if given:
         raise BadInput(given)

@@ -9,21 +9,17 @@ from ..participants.plain import NotPlain, pack, unpack
 from .methods.explicit import Growth
 from .methods.krylov import Pairs, RecycledGmres
 from .methods.quasi_newton import Memory
-from .methods.secants import Ageing, Decomposed, LeastSquares, MultiVector, Pair, Rings
+from .methods.secants import LeastSquares, Pair
 from .step_control import StepControl
 from .stepping import Stepper
 
 REMEMBERED = (
-    Ageing,
-    Decomposed,
     Growth,
     LeastSquares,
     Memory,
-    MultiVector,
     Pair,
     Pairs,
     RecycledGmres,
-    Rings,
     StepControl,
 )
 """Classes of the memories of methods and step control; a new one must be listed here."""

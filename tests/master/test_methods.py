@@ -4,18 +4,21 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.export import export_fmu
+from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.coupling.interface import Interface
 from piston_cosim.master.coupling.methods import (
-    Ageing,
     LeastSquares,
     MacroStep,
-    MultiVector,
     Newton,
     NotConverged,
     QuasiNewton,
     Relaxation,
 )
 from piston_cosim.master.coupling.wiring import Wire
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.models.elastic_tube.secants import Ageing, MultiVector
 
 from .toys import Toy, variable
 
@@ -135,3 +138,11 @@ def test_a_long_ring_of_weak_couplings_is_solved():
     step = MacroStep(Interface(links, wires), 0.0, 1.0, saved)
     solution = Newton().solve(step, np.zeros(len(wires)), Newton().memory())
     assert solution.x == pytest.approx(1 / 0.999, abs=1e-9)
+
+
+def test_an_exported_fmu_rejects_methods_of_plug_ins():
+    """Its code has no entry points."""
+    path = find_case("data_sheet")
+    case = check_case(read_tree(path, [("coupling.method", "iqn_ageing")]), path)
+    with pytest.raises(BadInput, match=r"coupling.method: expected one of newton, .* got 'iqn_ag"):
+        export_fmu(case, path.parent, print)

@@ -13,10 +13,8 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.coupling.methods import (
-    Ageing,
     Explicit,
     LeastSquares,
-    MultiVector,
     Newton,
     QuasiNewton,
     Relaxation,
@@ -28,6 +26,7 @@ from piston_cosim.master.coupling.methods.krylov import Goal, RecycledGmres
 from piston_cosim.master.coupling.stepping import StepFailed, Stepper
 from piston_cosim.master.coupling.vector import macro_step_end, step_length
 from piston_cosim.master.coupling.wiring import is_unknown
+from piston_cosim.models.elastic_tube.secants import Ageing, MultiVector
 
 A = ((-1.0, 0.0), (0.0, 0.0))
 B = np.array([2.0, 1.0])

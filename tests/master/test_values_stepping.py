@@ -12,10 +12,8 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.coupling.methods import (
-    Ageing,
     Explicit,
     LeastSquares,
-    MultiVector,
     Newton,
     QuasiNewton,
     Relaxation,
@@ -27,6 +25,7 @@ from piston_cosim.master.coupling.wiring import Wire
 from piston_cosim.master.coupling.work import InterfaceWork
 from piston_cosim.master.fmi.errors import BadInput, Discard
 from piston_cosim.master.participants.interpolated import InterpolatedParticipant
+from piston_cosim.models.elastic_tube.secants import Ageing, MultiVector
 
 from .toys import Toy, variable
 

@@ -14,17 +14,15 @@ from .explicit import Explicit
 from .newton import Newton
 from .quasi_newton import QuasiNewton
 from .relaxation import Relaxation
-from .secants import Ageing, LeastSquares, MultiVector
+from .secants import LeastSquares
 from .solution import MacroStep, Method, NotConverged, Solution
 
 __all__ = [
     "METHODS",
-    "Ageing",
     "Explicit",
     "LeastSquares",
     "MacroStep",
     "Method",
-    "MultiVector",
     "Newton",
     "NotConverged",
     "QuasiNewton",
@@ -34,8 +32,8 @@ __all__ = [
 ]
 
 
-METHODS = ("newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken", "constant", "explicit")
-"""Names of those that come with the master; further ones come from other packages."""
+METHODS = ("newton", "iqn_ils", "aitken", "constant", "explicit")
+"""Names of those in this folder; further ones are entry points."""
 
 
 def method_of(coupling: Any) -> Method:
@@ -49,13 +47,8 @@ def method_of(coupling: Any) -> Method:
         return Explicit()
     if coupling.method in ("aitken", "constant"):
         return Relaxation(coupling.relaxation, coupling.method == "aitken", coupling.max_iterations)
-    secants = {
-        "iqn_ils": LeastSquares(advanced.windows, advanced.filter_limit),
-        "iqn_imvj": MultiVector(advanced.windows, advanced.filter_limit),
-        "iqn_ageing": Ageing(),
-    }
     return QuasiNewton(
-        secants[coupling.method],
+        LeastSquares(advanced.windows, advanced.filter_limit),
         coupling.relaxation,
         coupling.max_iterations,
         advanced.probing,

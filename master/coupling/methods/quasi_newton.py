@@ -28,7 +28,7 @@ class QuasiNewton:
     Parameters
     ----------
     secants : Secants
-        LeastSquares, MultiVector or Ageing, without pairs.
+        Without pairs.
     relaxation : float
         Factor of the first update, while there are no secants.
     max_iterations : int
@@ -37,6 +37,8 @@ class QuasiNewton:
     astray : float
         With probing, the secants have failed once the residual is this many times the smallest one
         seen, or after half of max_iterations.
+    remembered : tuple of type
+        Classes of the memory of secants of another package, for checkpoints.
     """
 
     secants: Secants = field(default_factory=LeastSquares)
@@ -44,6 +46,7 @@ class QuasiNewton:
     max_iterations: int = 50
     probing: bool = False
     astray: float = 5.0
+    remembered: tuple[type, ...] = ()
 
     def memory(self) -> "Memory":
         return Memory(deepcopy(self.secants))

@@ -1,0 +1,175 @@
+"""Two coupling methods as a plug-in: quasi-Newton by other secants.
+
+The entry points `iqn_imvj` and `iqn_ageing` of the group `piston_cosim.methods`, in pyproject.toml,
+name the functions below. Your own package adds a method in the same way. The memory of a method is
+plain data, so that checkpoints hold it.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from piston_cosim.master.coupling.methods import QuasiNewton
+from piston_cosim.master.coupling.methods.filtering import filtered
+from piston_cosim.master.coupling.methods.secants import PairMemory
+
+
+def iqn_imvj(coupling: Any) -> QuasiNewton:
+    """Return the method IQN-IMVJ of a coupling table."""
+    advanced = coupling.advanced
+    return _method(MultiVector(advanced.windows, advanced.filter_limit), coupling)
+
+
+def iqn_ageing(coupling: Any) -> QuasiNewton:
+    """Return the method of ageing secants of a coupling table."""
+    return _method(Ageing(), coupling)
+
+
+def _method(secants: Any, coupling: Any) -> QuasiNewton:
+    """Return the method with these secants; a checkpoint holds the classes of its memory."""
+    return QuasiNewton(
+        secants,
+        coupling.relaxation,
+        coupling.max_iterations,
+        coupling.advanced.probing,
+        remembered=(MultiVector, Decomposed, Ageing, Rings),
+    )
+
+
+class Decomposed(NamedTuple):
+    """The pairs of a macro step: residual changes V = Q R, and their changes X, a column each."""
+
+    q: np.ndarray
+    triangle: np.ndarray
+    changes: np.ndarray
+
+
+@dataclass
+class MultiVector(PairMemory):
+    """IQN-IMVJ: each macro step's pairs correct the inverse Jacobian of the steps before it.
+
+    Eq. (Q5):  B_n = B_{n-1} + (X_n - B_{n-1} V_n) V_n^+,   B_0 = -m I,   dx = -B_n r
+
+    B is never formed: its steps act one after the other, newest first, each on what the newer ones
+    left of r. Steps older than `windows` are forgotten. Of a step's pairs, dependent ones are
+    dropped as in `LeastSquares` by `limit`. past holds `Decomposed`.
+
+    References
+    ----------
+    [Lindner2015] F. Lindner, M. Mehl, K. Scheufele, B. Uekermann, Proc. Coupled Problems VI,
+    649-660.
+    """
+
+    windows: int = 50
+    limit: float = 1e-3
+
+    def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
+        """Return the answer to the residual r and the unexplained rest."""
+        change = np.zeros_like(r)
+        rest = r.copy()
+        for q, triangle, changes in [*self._decomposed(), *self.past]:
+            share = q.T @ rest  # Eq. (Q5)
+            change -= changes @ np.linalg.solve(triangle, share)
+            rest -= q @ share
+        return change, rest
+
+    def _decomposed(self) -> list[Decomposed]:
+        columns = [pair.residual_change for pair in self.now]
+        chosen, q, triangle = filtered(columns, self.limit)
+        if not chosen:
+            return []
+        return [Decomposed(q, triangle, np.array([self.now[k].change for k in chosen]).T)]
+
+    def close(self) -> None:
+        self.past = [*self._decomposed(), *self.past][: self.windows]
+        self.now = []
+
+
+@dataclass
+class Rings:
+    """Pairs of known macro steps, the newest in the place of the oldest.
+
+    residual_changes : unit vectors, shape (kept, n); changes : theirs, shape (kept, n); products :
+    inner products of the residual changes, shape (kept, kept); steps : their macro steps.
+    """
+
+    residual_changes: np.ndarray
+    changes: np.ndarray
+    products: np.ndarray
+    steps: np.ndarray
+
+
+@dataclass
+class Ageing:
+    """Pairs trusted less the older they are: least squares that know how fast the Jacobian drifts.
+
+    Eq. (Q6):  dx = -X a + m (r - V a),   (G o R + n I) a = e o (V' r),   G = V' V,  |dr_i| = 1
+               R_ij = exp(-d |t_i - t_j|),   e_i = exp(-d |t - t_i|),   t in macro steps
+
+    The inverse Jacobian is taken as a random field that forgets the share d of itself every macro
+    step; dx is its mean, given all pairs. With d = 0 and n = 0 this is `LeastSquares`. No pair has
+    to be dropped: what two old, nearly parallel pairs disagree on counts as drift, where a filter
+    must throw one away or amplify the disagreement.
+
+    Parameters
+    ----------
+    kept : int
+        Pairs remembered.
+    drift : float
+        d.
+    noise : float
+        n, of a pair's squared length: what bends the map within a step.
+    step, count : int
+        Macro steps accepted, and pairs learnt.
+    """
+
+    kept: int = 300
+    drift: float = 1e-4
+    noise: float = 1e-6
+    step: int = 0
+    count: int = 0
+    rings: Rings | None = None
+
+    @property
+    def empty(self) -> bool:
+        return self.count == 0
+
+    def begin(self) -> None:
+        """Begin an attempt at a macro step."""
+
+    def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
+        size = np.linalg.norm(residual_change)
+        kept = self.kept
+        if size == 0.0:
+            return
+        if self.rings is None:
+            shape = (kept, change.size)
+            self.rings = Rings(
+                np.zeros(shape), np.zeros(shape), np.zeros((kept, kept)), np.zeros(kept)
+            )
+        rings = self.rings
+        k = self.count % kept
+        self.count += 1
+        rings.residual_changes[k] = residual_change / size
+        rings.changes[k] = change / size
+        rings.steps[k] = self.step
+        rings.products[k] = rings.residual_changes @ rings.residual_changes[k]
+        rings.products[:, k] = rings.products[k]
+
+    def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
+        """Return the answer to the residual r and the unexplained rest: (-X a, r - V a)."""
+        if self.rings is None:
+            return np.zeros_like(r), r
+        known = slice(min(self.count, self.kept))
+        v = self.rings.residual_changes[known]
+        steps = self.rings.steps[known]
+        apart = np.abs(steps[:, None] - steps)
+        matrix = self.rings.products[known, known] * np.exp(-self.drift * apart)
+        matrix[np.diag_indices_from(matrix)] += self.noise
+        aged = np.exp(-self.drift * (self.step - steps)) * (v @ r)
+        a = np.linalg.solve(matrix, aged)  # Eq. (Q6)
+        return -(a @ self.rings.changes[known]), r - a @ v
+
+    def close(self) -> None:
+        self.step += 1
