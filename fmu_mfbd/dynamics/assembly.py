@@ -8,6 +8,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ...master.fmi.symmetry import FILM_SYMMETRIES
+from ..geometry.arrays import Matrix
 from ..geometry.film import FilmSurface, knot_rule
 from ..geometry.pin import PinSurface
 from ..geometry.pin_shapes import AxisShapes
@@ -149,18 +150,18 @@ class BodySetup(NamedTuple):
     radii: Radii
     skirt_field: bool
     bore_field: bool
-    bore_rule: Annotated[np.ndarray, "n, m", "True"]
-    piston: Annotated[FlexibleBody, "x.k == piston_modes"]
+    bore_rule: Matrix
+    piston: FlexibleBody
     gas_force: Annotated[np.ndarray, "piston_modes"]
-    wall: Annotated[BoreWall, "x.k == block_modes"]
+    wall: BoreWall
     piston_omega: Annotated[np.ndarray, "piston_modes"]
     block_omega: Annotated[np.ndarray, "block_modes"]
     shell_omega: Annotated[np.ndarray, "shell_modes"]
-    big_end_modes: Annotated[int, "x >= 0"]
-    main_bearing_modes: Annotated[int, "0 <= x <= shell_modes - big_end_modes"]
-    surfaces: Annotated[np.ndarray, "n", "True"]
-    half_surfaces: Annotated[np.ndarray, "n_half", "True"]
-    pin_surfaces: Annotated[np.ndarray, "n", "True"]
+    big_end_modes: int
+    main_bearing_modes: int
+    surfaces: Annotated[np.ndarray, "n"]
+    half_surfaces: Annotated[np.ndarray, "n_half"]
+    pin_surfaces: Annotated[np.ndarray, "n"]
 
 
 def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) -> BodySetup:

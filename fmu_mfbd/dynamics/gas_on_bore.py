@@ -42,8 +42,8 @@ class BoreWall(NamedTuple):
     """
 
     lowest: float
-    spacing: Annotated[float, "0.0 < x < np.inf"]
-    above: Annotated[np.ndarray, "heights, k", "is_finite(x) and heights > 1"]
+    spacing: float
+    above: Annotated[np.ndarray, "heights, k"]
     at: Annotated[np.ndarray, "heights, k"]
     top_ring: float
     second_ring: float

@@ -31,7 +31,7 @@ class SpeedTable(NamedTuple):
     over_angle: bool
     at: Annotated[np.ndarray, "points"]
     speed: Annotated[np.ndarray, "points"]
-    passed: Annotated[np.ndarray, "points", "points != 1 and is_finite(x)"]
+    passed: Annotated[np.ndarray, "points"]
 
 
 def speed_table(
