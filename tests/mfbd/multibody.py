@@ -149,14 +149,16 @@ class Rates(NamedTuple):
 
 @dataclass
 class Film:
-    """Springs and dampers of a film, in sum over its cells.
+    """Springs and dampers of a film, in sum over its cells, or given forces.
 
     stiffness : of pressure against the change of the film thickness [N/m].
     friction : of friction against the sliding velocity [N s/m].
+    given : forces of pressure and friction on all cells, which replace them [N].
     """
 
     stiffness: float
     friction: float
+    given: tuple[np.ndarray, np.ndarray] | None = field(default=None, kw_only=True)
 
     def rates(self, time, q, v) -> Rates:
         raise NotImplementedError
@@ -166,6 +168,8 @@ class Film:
         at = self.rates(time, q, v)
         push = -self.stiffness / len(at.thickness) * at.thickness
         drag = -self.friction / len(at.speed) * at.speed
+        if self.given is not None:
+            push, drag = self.given
         return push @ at.closing + drag @ at.onward, push
 
 
@@ -298,13 +302,18 @@ class Skirt(Film):
 
 @dataclass
 class Gas:
-    """Gas force on the crown along the bore's axis, its opposite on the deck [N]."""
+    """Gas force on the crown along the bore's axis, its opposite on the deck [N].
+
+    rings : their force on the piston across and along the bore's axis [N], and moment about A
+    beside that of the latter [N m]; the bore has the opposite.
+    """
 
     piston: Body
     block: Body
     offsets: tuple[float, float]
     modal: np.ndarray
     force: Callable[[float], float]
+    rings: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def forces(self, time, q, v):
         R = rotation(q[self.block.first + 2])
@@ -314,13 +323,44 @@ class Gas:
         on_axis = R @ np.array([axis, apart[1]]) + o.place
         out = np.zeros(len(q))
         size = self.force(time)
-        push = -size * R[:, 1]
+        lateral, axial, moment = self.rings
         for body, sign in ((self.piston, 1.0), (self.block, -1.0)):
             first = body.first
-            arm = on_axis - q[first : first + 2]
-            out[first : first + 2] += sign * push
-            out[first + 2] += sign * (arm[0] * push[1] - arm[1] * push[0])
+            # the lateral force of the rings acts at the height of A
+            for place, push in (
+                (on_axis, (axial - size) * R[:, 1]),
+                (a.place, lateral * R[:, 0]),
+            ):
+                arm = place - q[first : first + 2]
+                out[first : first + 2] += sign * push
+                out[first + 2] += sign * (arm[0] * push[1] - arm[1] * push[0])
+            out[first + 2] += sign * moment
         out[self.piston.first + 3 : self.piston.first + self.piston.size] += size * self.modal
+        return out, None
+
+
+@dataclass
+class Rubbing:
+    """Friction between two bodies that a joint presses together.
+
+    one, other : bodies. lever : friction coefficient times radius [m]. speed : relative angular
+    velocity at which dry friction has reached tanh(1) of its full size [rad/s]. viscous : moment by
+    relative angular velocity [N m s/rad]. load : force of the joint [N].
+    """
+
+    one: Body
+    other: Body
+    lever: float
+    speed: float
+    viscous: float
+    load: float = 0.0
+
+    def forces(self, time, q, v):
+        out = np.zeros(len(q))
+        slip = v[self.one.first + 2] - v[self.other.first + 2]
+        moment = -self.lever * self.load * np.tanh(slip / self.speed) - self.viscous * slip
+        out[self.one.first + 2] += moment
+        out[self.other.first + 2] -= moment
         return out, None
 
 
