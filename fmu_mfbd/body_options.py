@@ -551,7 +551,10 @@ class Block(Body):
     def _bore_of_outside(self):
         if self.bore_from_outside:
             if not self.rigid:
-                raise ValueError("rigid: expected a table with bore_from_outside, got nothing")
+                raise ValueError(
+                    "rigid: expected a table with bore_from_outside, got nothing; the deflection "
+                    "of the bore is an input"
+                )
             if "stations" in self.model_fields_set:
                 raise ValueError("stations: expected nothing with bore_from_outside, got a value")
             self.stations = self.bore_from_outside.axial

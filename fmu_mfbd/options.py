@@ -432,6 +432,10 @@ class Build(Common):
         return self
 
 
+IN_SPACE = "its equations are those of a rigid piston on a tied pin in a block at rest"
+"""Reason why options do not go with a motion in space."""
+
+
 def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
     """Return the faults of a piston that moves in space."""
     faults = []
@@ -439,15 +443,16 @@ def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
         if not body.rigid and body.modes:
             faults.append(
                 f"{name}.modes: expected 0 or a rigid {name} with motion_in_space, got "
-                f"{body.modes:g}"
+                f"{body.modes:g}; {IN_SPACE}"
             )
     beside = {
         "floating_pin": build.floating_pin,
+        **build.crank_films(),
         "mounted": build.mounted,
         "start": build.start,
     }
     faults += [
-        f"{name}: expected nothing with motion_in_space, got a value"
+        f"{name}: expected nothing with motion_in_space, got a value; {IN_SPACE}"
         for name, given in beside.items()
         if given
     ]
