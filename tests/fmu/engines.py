@@ -38,7 +38,10 @@ ENGINES = {
 def engine_tree(
     cylinders: list[Cylinder], grid: tuple[int, int], stop: str, tolerance: str = "1 nm"
 ) -> dict[str, Any]:
-    """Return a case's TOML tree without pictures: participants cylinder_1, film_1 .. and block."""
+    """Return a case's TOML tree without pictures: participants cylinder_1, film_1 .. and block.
+
+    No step is repeated in parts, which the other cylinders would have too.
+    """
     whole = read_tree(PATH)
     parts = whole["participants"]
     count = len(cylinders)
@@ -51,7 +54,10 @@ def engine_tree(
     participants, wires = {}, []
     for k, one in enumerate(cylinders, 1):
         body, film = deepcopy(parts["front"]), deepcopy(parts["front_film"])
-        body["parameters"]["start_crank_angle"] = f"{-360.0 - one.behind!r} deg"
+        body["parameters"] |= {
+            "start_crank_angle": f"{-360.0 - one.behind!r} deg",
+            "impact_resolution": "1 m",
+        }
         for table in (body, film):
             table["build"]["grid"] = list(grid)
         participants |= {f"cylinder_{k}": body, f"film_{k}": film}

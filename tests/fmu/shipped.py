@@ -39,7 +39,7 @@ small_crank = partial(pin_case, CRANK_BEARINGS, BEARINGS)
 
 def recorded(tree, *fields):
     """Return a tree that records some fields, every tenth step."""
-    return tree | {"record": {"fields": [*fields], "every": 10}}
+    return tree | {"record": {"fields": [*fields], "every": "10 deg"}}
 
 
 def firing_pin(shapes, *changes):
