@@ -81,6 +81,7 @@ SYMMETRIC = {
     "bore order": {f"{BUILD}.block.orders": order(3, "90 deg")},
     "mask": {f"{FILM}.build.mask": mask([(9, 3), (11, 3)])},
     "scalars": {f"{BODIES}.ring_side_force": "5 N", f"{BODIES}.piston_temperature": "400 K"},
+    "walls": {f"{BUILD}.temperatures": {"skirt": ["100 degC", "130 degC"], "bore": "120 degC"}},
     "temperature": HEAT | {f"{FILM}.parameters.oil_temperature": array((10, 5), "310 K")},
 }
 ASYMMETRIC = {
@@ -90,6 +91,9 @@ ASYMMETRIC = {
     "bodies.build.motion_in_space": RIGID
     | {f"{BUILD}.motion_in_space": {"inertia_x": "5e-5 kg*m^2", "inertia_y": "5e-5 kg*m^2"}},
     "bodies.build.block.bore_from_outside": OUTSIDE | {f"{BUILD}.mounted": True},
+    "bodies.build.temperatures.skirt (field": {
+        f"{BUILD}.temperatures": {"skirt": "input", "bore": "120 degC"}
+    },
     "ehd.oil_temperature (from heat.t": HEAT
     | {"wires": [{"from": "heat.t", "to": "ehd.oil_temperature"}]},
     "ehd.oil_temperature[2,3] (from heat.t": HEAT

@@ -57,12 +57,20 @@ def mirrored(body, around, classes):
     return dataclasses.replace(body, **shapes, kind=kind if classes else np.full(count, -1))
 
 
-@pytest.fixture(scope="module", params=[([8, 6], True, []), ([10, 10], False, BANDS)])
+UNITS = {"angle_unit": "deg", "height_unit": "mm", "temperature_unit": "degC"}
+WALLS = {"skirt": {"file": "even.csv"} | UNITS, "bore": ["90 degC", "120 degC"]}
+
+
+@pytest.fixture(scope="module", params=[([8, 6], True, [], WALLS), ([10, 10], False, BANDS, None)])
 def symmetric(request, coarse, kept):
     """Return options and bodies that are their own mirror image, and a maker of models."""
-    grid, classes, bands = request.param
+    grid, classes, bands, walls = request.param
     folder, build = coarse
-    prepared, files = prepare(build | {"grid": grid, "film_surfaces": bands}, folder, quiet)
+    (folder / "even.csv").write_text(
+        "0, 0, 90, 180, 270\n-99, 90, 99, 90, 95\n99, 120, 130, 120, 140"
+    )
+    build = build | {"grid": grid, "film_surfaces": bands, "temperatures": walls}
+    prepared, files = prepare(build, folder, quiet)
     options = BuildOptions.from_json(prepared)
     piston, block = (load(k, f) for k, f in zip((ReducedPiston, ReducedBlock), files))
     bodies = [mirrored(one, grid[0], classes) for one in (piston, block)]
