@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..fmi.errors import BadInput, ParticipantFault
+from ..fmi.errors import BadInput, ParticipantFault, unknown
 from ..fmi.preview import Figure, Preview
 from ..fmi.quantities import short, to_si
 from ..fmi.tree import import_part
@@ -73,7 +73,9 @@ class CheckedCase:
         return written
 
 
-def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedCase:
+def check(
+    name: str | Path, changes: Sequence[tuple[str, Any]] = (), variant: str | None = None
+) -> CheckedCase:
     """Check a case.
 
     Parameters
@@ -82,14 +84,16 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
         Name of a case, its folder or its file.
     changes : sequence of (key, value)
         Changes to make first.
+    variant : str, optional
+        Label of a variant of the case. Default: the case itself.
 
     Raises
     ------
     BadInput
-        If there is no such case, or if it is not TOML.
+        If there is no such case or variant, or if it is not TOML.
     """
     path = find_case(str(name))
-    tree = read_tree(path, changes)
+    tree = read_tree(path, [*_changes_of(path, variant), *changes])
     try:
         case = check_case(tree, path)
     except BadInput as error:
@@ -124,6 +128,15 @@ def check(name: str | Path, changes: Sequence[tuple[str, Any]] = ()) -> CheckedC
         if one.unstable and (case.coupling.method == "explicit" or one.component.fixed)
     ]
     return CheckedCase(path, case.title, previews, faults, warnings, remarks, found)
+
+
+def _changes_of(path: Path, variant: str | None) -> list[tuple[str, Any]]:
+    """Return the changes of a variant of a case, none for the case itself."""
+    tree = read_tree(path)
+    known = {tree.get("label", "base"): {}} | tree.get("variants", {})
+    if variant is not None and variant not in known:
+        raise BadInput(f"--only: {unknown('variant', variant, known)}")
+    return [*known[variant].items()] if variant else []
 
 
 def _warnings_on_steps(case: Case, folder: Path) -> list[str]:

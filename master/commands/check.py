@@ -7,10 +7,17 @@ from ..case.check import CheckedCase, check
 from ..fmi.errors import BadInput
 from ..fmi.preview import Figure
 from ..fmi.quantities import short
-from .common import Changes, PictureFile, default_folder, parse_changes, tell
+from .common import Changes, Only, PictureFile, default_folder, parse_changes, tell
 
 
-def command(source: str, /, *, set_: Changes = [], picture: PictureFile | None = None):
+def command(
+    source: str,
+    /,
+    *,
+    only: Only = None,
+    set_: Changes = [],
+    picture: PictureFile | None = None,
+):
     """Check a case without a run.
 
     The command prints every fault, geometry, masses, clearance and the cells with a film, and draws
@@ -23,12 +30,14 @@ def command(source: str, /, *, set_: Changes = [], picture: PictureFile | None =
     ----------
     source
         Name of a case, its folder or its file. `piston-cosim list` prints the names.
+    only
+        Check this variant of the case.
     set_
         Change of the case, KEY=VALUE, e.g. `viscosity="20 mPa s"`; repeatable.
     picture
         Picture of skirt and bore: .png, .svg or .pdf. Default: results/CASE/check.png.
     """
-    found = check(source, parse_changes(set_))
+    found = check(source, parse_changes(set_), only)
     print_checked(found, picture or default_folder(found.path) / "check.png")
 
 

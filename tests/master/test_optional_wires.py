@@ -8,6 +8,7 @@ from piston_cosim.master.case.ahead import ahead
 from piston_cosim.master.case.check import check
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.fmi.errors import BadInput
 
 WALLS = {"skirt": ["110 degC", "150 degC"], "bore": ["100 degC", "140 degC"]}
 TEMPERATURES = "participants.bodies.build.temperatures"
@@ -78,6 +79,16 @@ def test_check_prints_temperatures_and_the_hot_clearance():
     change = value["clearance_cold"] - value["clearance_hot"]
     assert change == pytest.approx(grown, rel=1e-9)
     assert found.figure("bodies.oil_temperature_lower_edge").value == pytest.approx(403.15)
+
+
+def test_check_of_a_variant_has_the_hot_clearance_of_its_tables():
+    """The tables of temperature take half of the clearance of the shipped engine."""
+    found = check("fired_motorcycle", variant="hot")
+    cold, hot = (found.figure(f"bodies.clearance_{one}").value for one in ("cold", "hot"))
+    assert found.faults == [] and cold == pytest.approx(12.0e-6, abs=0.1e-6)
+    assert hot == pytest.approx(5.9e-6, abs=0.1e-6)
+    with pytest.raises(BadInput, match="--only: expected one of flexible"):
+        check("fired_motorcycle", variant="warm")
 
 
 def test_check_prints_where_values_contradict():
