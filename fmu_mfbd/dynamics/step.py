@@ -249,6 +249,43 @@ def instant_of(model: BodyModel, step: StepProblem, inputs: StepInputs) -> Insta
     return end_of_step(model.parts, step, inputs.skirt, inputs.pins)
 
 
+class Warmth(NamedTuple):
+    """Effect of the walls' temperatures on the films of the skirt at the end of a step.
+
+    Parameters
+    ----------
+    opening : float
+        By the levels, Eq. (I12) [m].
+    growth : ndarray
+        As of `thermal_growth.field_growth` [m].
+    work : float
+        Of the films on the growing walls over the step [J].
+    oil : ndarray
+        As of `thermal_growth.oil_temperatures` [K].
+    """
+
+    opening: float
+    growth: np.ndarray
+    work: float
+    oil: np.ndarray
+
+
+@compilable
+def warmth_at(model: BodyModel, before: PistonState, inputs: StepInputs, guided: float) -> Warmth:
+    """Return what the temperatures do when the bore is read at the height `guided` [m]."""
+    surfaces, p = model.parts.surfaces, model.settings
+    skirt = level_of(inputs.fields.skirt, inputs.piston_temperature)
+    bore = level_of(inputs.fields.bore, inputs.bore_temperature)
+    opening = thermal_opening(model.radii, skirt, bore, p)
+    growth = field_growth(surfaces, model.radii, p, inputs.fields)
+    force = inputs.skirt.pressure
+    work = growth_work(force, opening - before.thermal_opening)
+    if len(growth) > 0 and len(before.field_growth) > 0:
+        warmed = before.field_growth, growth
+        work += field_work(surfaces, model.cold, force, guided, *warmed)
+    return Warmth(opening, growth, work, oil_temperatures(surfaces, guided, skirt, bore))
+
+
 @compilable
 def result_of(
     model: BodyModel,
@@ -286,22 +323,16 @@ def result_of(
         crank = CrankMotion(crank.angle, crank.speed, freed)
         torque = -inputs.load_torque
     steps = before.steps if step.coefficients.step == 0.0 else before.steps + 1
-    skirt_level = level_of(inputs.fields.skirt, inputs.piston_temperature)
-    bore_level = level_of(inputs.fields.bore, inputs.bore_temperature)
-    opening = thermal_opening(model.radii, skirt_level, bore_level, settings)
-    growth = field_growth(system.surfaces, model.radii, settings, inputs.fields)
+    warmth = warmth_at(model, before, inputs, now.guided)
+    opening = warmth.opening
     for k in range(len(now.films.film_thickness)):
         now.films.film_thickness[k] += opening
-    warmth = opening, growth
-    state = state_at(before, step.coefficients.step, now, crank, jerk, time, steps, warmth)
+    grown = opening, warmth.growth
+    state = state_at(before, step.coefficients.step, now, crank, jerk, time, steps, grown)
     energy = EnergyAccount(now.ledger.axial_work, now.ledger.accounted, 0.0)
     warm_work = 0.0
     if steps > 0:
-        force = inputs.skirt.pressure
-        warm_work = growth_work(force, opening - before.thermal_opening)
-        if len(growth) > 0:
-            warmed = before.field_growth, growth
-            warm_work += field_work(system.surfaces, model.cold, force, now.guided, *warmed)
+        warm_work = warmth.work
         energy = account(
             (before.kinetic, state.kinetic),
             state.position - before.position,
@@ -325,7 +356,7 @@ def result_of(
         now.on_block,
         state,
         last,
-        oil_temperatures(system.surfaces, now.guided, skirt_level, bore_level),
+        warmth.oil,
     )
 
 
