@@ -124,6 +124,20 @@ def flexible(folder, values, **more):
     return Bodies(("fmu_mfbd", table | {"gas": GAS} | more, folder), values)
 
 
+def hot(folder):
+    """Return the small flexible bodies at 140 degC, with a profile on the skirt."""
+    build, values = flexible(folder, {"barrel": 15e-6})[:2]
+    table = build[1]
+    (folder / "heat.csv").write_text("y,0\n0,140\n")
+    (folder / "skirt.csv").write_text("height,0\n-16,0\n10,20\n")
+    field = {"table": "heat.csv", "length_unit": "mm", "temperature_unit": "degC"}
+    for name in ("piston", "block"):
+        table[name] |= {"expansion": "21e-6 1/K", "temperature_field": field}
+    units = {"angle_unit": "deg", "height_unit": "mm", "value_unit": "um"}
+    table["piston"]["profiles"] = [{"file": "skirt.csv", **units}]
+    return Bodies(build, values)
+
+
 def speed(kind):
     unit, points = SPEEDS[kind]
     table = {"points": points, f"{kind}_unit": unit, "speed_unit": "rad/s", "strokes": 2}
@@ -158,6 +172,7 @@ CASES = {
             damping_transition_frequency=22e3,
         ),
     ),
+    "hot shapes": hot,
     "films in a block that moves": lambda folder: flexible(
         folder,
         dict(crank_unbalance=0.05, barrel=15e-6),

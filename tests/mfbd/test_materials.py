@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 import skfem
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import eigsh, spsolve
 from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
 from piston_cosim.fmu_mfbd.body_options import Piston
@@ -25,7 +25,9 @@ from piston_cosim.fmu_mfbd.finite_elements.materials import (
 )
 from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh, read_raw
 from piston_cosim.fmu_mfbd.finite_elements.ring import Ring, ring_mesh
-from piston_cosim.fmu_mfbd.reduction.reduce import read_body
+from piston_cosim.fmu_mfbd.reduction.mode_tables import recover
+from piston_cosim.fmu_mfbd.reduction.reduce import read_body, reduce_piston
+from piston_cosim.fmu_mfbd.reduction.reduced_body import Anatomy, load, save
 from piston_cosim.fmu_mfbd.reduction.store import contents
 from piston_cosim.fmu_mfbd.reduction.symmetry import is_mirrored
 from piston_cosim.tests.mfbd.test_foreign_decks import (
@@ -259,6 +261,47 @@ def test_materials_that_are_not_mirrored():
         material = material_of(ElementSets(), len(mesh.tets), IRON, {})._replace(name=name)
         halved = type(mesh)(mesh.points, mesh.tets, mesh.faces, material=material)
         assert is_mirrored(mesh, axis) and is_mirrored(halved, axis) == mirrored
+
+
+def deck_of(path, mesh, upper, surfaces):
+    """Write an Abaqus deck of a mesh with a set `upper` of elements."""
+    lines = [
+        "*NODE",
+        *(f"{k},{x!r},{y!r},{z!r}" for k, (x, y, z) in enumerate(mesh.points.tolist(), 1)),
+    ]
+    lines.append("*ELEMENT, TYPE=C3D10, ELSET=ALL")
+    lines += [",".join(map(str, [k, *(row + 1)])) for k, row in enumerate(mesh.tets, 1)]
+    lines += ["*ELSET, ELSET=UPPER", *(str(k + 1) for k in np.flatnonzero(upper))]
+    for name in surfaces:
+        lines += [f"*NSET, NSET={name}", *(str(k + 1) for k in mesh.nodes(name))]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def test_reduced_piston_of_two_materials(coarse, tmp_path):
+    """Mass by hand of volumes, frequencies as of the assembled matrices, and recovered stress."""
+    folder, table = coarse
+    names = ("skirt", "crown", "pin_bore")
+    whole = read_body(Piston(**table["piston"] | {"mesh": str(folder / "piston.msh")}), print)
+    upper = whole.points[whole.tets[:, :4], 1].mean(axis=1) > 2e-3
+    deck_of(tmp_path / "piston.inp", whole, upper, names)
+    iron = {"density": "7200 kg/m^3", "young": "110 GPa", "poisson": 0.26}
+    own = table["piston"] | {"mesh": str(tmp_path / "piston.inp"), "tie": "rbe2", "modes": 6}
+    own |= {"basis": "craig_bampton", "materials": {"upper": iron}}
+    body, anatomy, properties, *_ = reduce_piston(Piston(**own), (16, 12), lambda text: None)
+    volume = rigid_mass(whole.points, whole.tets, np.where(upper, 7200.0, 2700.0))[0, 0]
+    assert body.mass == pytest.approx(volume, rel=1e-10)
+    assert properties.rigid_mass[0, 0] == pytest.approx(volume, rel=1e-10)
+    young, poisson = np.where(upper, 110e9, 75e9), np.where(upper, 0.26, 0.33)
+    K = stiffness(whole.points, whole.tets, young, poisson)
+    M = consistent_mass(whole.points, whole.tets, np.where(upper, 7200.0, 2700.0))
+    free = np.setdiff1d(np.arange(K.shape[0]), (3 * whole.nodes("pin_bore")[:, None] + [0, 1, 2]))
+    K, M = K[free][:, free].tocsc(), M[free][:, free].tocsc()
+    value = np.sort(eigsh(K, 6, M, sigma=0.0, return_eigenvectors=False))
+    np.testing.assert_allclose(body.omega, np.sqrt(value), rtol=1e-6)
+    save(tmp_path / "body.npz", body, anatomy, properties)
+    stored = load(Anatomy, tmp_path / "body.npz")
+    np.testing.assert_array_equal(stored.young, young)
+    assert recover(stored, np.ones(6)).peak.value > 0.0
 
 
 def test_rows_of_a_part_of_a_deck(tmp_path):
