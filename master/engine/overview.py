@@ -209,6 +209,13 @@ def conditions(results: Results, films: list[str]) -> list[str]:
     modes = [build[name].get("modes") for name in ("piston", "block") if name in build]
     if any(modes):
         found.append(f"{' + '.join(str(count or 0) for count in modes)} modes")
+    hot = [
+        surface
+        for name, surface in (("piston", "skirt"), ("block", "bore"))
+        if {"hot_shape", "temperature_field"} & {*build.get(name, {})}
+    ]
+    if hot:
+        found.append(f"hot shape of {' and '.join(hot)}")
     summary = results.summary or {}
     if summary.get("periods", 0) > 1:
         found.append(f"last of {summary['periods']} periods")
