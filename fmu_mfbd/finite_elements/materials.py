@@ -19,7 +19,7 @@ class Range(NamedTuple):
 
 RANGES = {
     "young": Range(1e8, 1e12, "Pa"),
-    "poisson": Range(0.0, 0.499, "1"),
+    "poisson": Range(0.0, 0.5 - 1e-9, "1"),
     "density": Range(500.0, 25e3, "kg/m^3"),
     "expansion": Range(0.0, 1e-4, "1/K"),
 }
@@ -28,6 +28,8 @@ NEEDED = ("young", "poisson", "density")
 INCHES = (0.0254, 0.3048)
 POUND = 4.4482216152605
 """Force of one pound [N], the unit of force of a mesh file in inches or feet."""
+UNSTATED = ("", "none")
+"""Material of the elements of a file that have none."""
 OTHERS = "no set"
 """Name of the elements that neither the file nor the case puts into a set with a material."""
 SAME = 1e-6
@@ -97,7 +99,7 @@ def units_of(length: float) -> dict[str, float]:
 def replaced(sets: ElementSets, values: Mapping[str, float | None]) -> list[str]:
     """Return a sentence if values of the case for the body differ from those of the file."""
     units = units_of(sets.length)
-    used = sorted(set(sets.materials))
+    used = sorted({*sets.materials} - {*UNSTATED})
     changed = [
         key
         for key, value in values.items()
@@ -155,8 +157,9 @@ def material_of(
         If a set is not known, two sets share elements, or an element lacks a value or has one
         outside its range.
     """
-    name = np.array(sets.materials or [OTHERS] * count, dtype=object)
-    in_file = {one: name == one for one in sorted(set(sets.materials))}
+    stated = [OTHERS if one in UNSTATED else one for one in sets.materials]
+    name = np.array(stated or [OTHERS] * count, dtype=object)
+    in_file = {one: name == one for one in sorted({*stated} - {OTHERS})}
     units = units_of(sets.length)
     table = {key: np.full(count, np.nan) for key in RANGES}
     for one, rows in in_file.items():

@@ -87,7 +87,7 @@ def read_node_values(path: Path | str, quantity: Quantity, field: str | None = N
         raise fault.of_file(path) from None
     except (OSError, UnicodeDecodeError) as error:
         raise MeshFault(file_fault(path, error)) from None
-    except ValueError as error:
+    except (ValueError, LookupError) as error:
         raise MeshFault(f"{path}: expected numbers at nodes, got other content ({error})") from None
 
 
@@ -151,15 +151,18 @@ def _of_frd(path, quantity, field):
     """Return the last results of a name in an frd file: records -1 with node and values."""
     lines = path.read_text(encoding="ascii", errors="replace").splitlines()
     blocks: dict[str, tuple[np.ndarray, np.ndarray]] = {}
-    points = None
+    points, width = None, 10
     rows = iter(lines)
     for line in rows:
         key = line[:6].strip()
         if key == "2C":
-            points = _records(rows, line)
+            if line[-1:] in ("2", "3"):
+                raise MeshFault("expected an frd file in text, got a binary one")
+            width = 5 if line.endswith("0") else 10
+            points = _records(rows, width, 3)
         elif line.startswith(" -4"):
             name, count = line[5:13].strip(), int(line[13:18])
-            blocks[name] = _records(rows, "", min(count, len(quantity.columns)))
+            blocks[name] = _records(rows, width, min(count, len(quantity.columns)))
     if points is None:
         raise MeshFault("expected a block of nodes (2C), got none")
     known = [name for name, (_, one) in blocks.items() if one.shape[1] == len(quantity.columns)]
@@ -169,19 +172,14 @@ def _of_frd(path, quantity, field):
     return NodeValues(values, labels, place)
 
 
-def _records(rows: Iterator[str], head: str, count: int = 3) -> tuple[np.ndarray, np.ndarray]:
+def _records(rows: Iterator[str], width: int, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return numbers of nodes, (m,), and values, (m, count), of the records -1 up to -3.
 
-    Numbers of nodes have ten columns, or five if the head ends with 0. Values have twelve.
+    width : columns of the number of a node; values have twelve.
     """
-    if head[-1:] in ("2", "3"):
-        raise MeshFault(
-            "expected an frd file in text, got a binary one; write it with OUTPUT=ASCII"
-        )
-    first = 8 if head.endswith("0") else 13
-    records = [
-        line for line in takewhile(lambda line: line[:3] != " -3", rows) if line[:3] == " -1"
-    ]
+    first = 3 + width
+    block = takewhile(lambda line: line[:3] != " -3", rows)
+    records = [line for line in block if line[:3] == " -1"]
     labels = np.array([int(line[3:first]) for line in records], dtype=int)
     ends = [first + 12 * k for k in range(count + 1)]
     values = [[float(line[a:b]) for a, b in zip(ends, ends[1:])] for line in records]

@@ -105,10 +105,13 @@ def test_faults_name_set_property_unit_and_range():
     with pytest.raises(MeshFault) as raised:
         material_of(sets, 3, {}, {}, "m.inp: ")
     text = str(raised.value)
-    assert "m.inp: poisson of A: expected 0 to 0.499 1, got nothing for 2 elements" in text
+    assert "m.inp: poisson of A: expected 0 to 0.5 1, got nothing for 2 elements" in text
     assert "materials.A.poisson" in text
     # values in SI read as those of a deck in mm
     assert "m.inp: young of A: expected 1e+08 to 1e+12 Pa, got 7.5e+16 Pa" in text
+    bare = ElementSets({}, ["none", "B"], lacking)
+    with pytest.raises(MeshFault, match="young of no set: .* got nothing for 1 elements; give you"):
+        material_of(bare, 2, {}, {})
     with pytest.raises(MeshFault, match="materials.t: expected a set of elements of s, A, B"):
         material_of(sets, 3, IRON, {"t": {}})
     with pytest.raises(MeshFault, match="materials.A: expected a set without .* got 2 shared"):
