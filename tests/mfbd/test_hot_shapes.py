@@ -410,3 +410,49 @@ def test_options_that_exclude_each_other():
         TemperatureField(**field)
     with pytest.raises(ValueError, match="temperature_field: expected nothing with hot_shape"):
         Block(mesh="a.inp", hot_shape=shape, temperature_field=field | {"table": "t.csv"})
+
+
+@pytest.fixture
+def block(bodies, tmp_path):
+    """Return the table of the small block, and its mesh."""
+    folder, table = bodies
+    own = table["block"] | {"mesh": str(folder / "block.msh")}
+    return own, read_body(Block(**own), quiet)
+
+
+def test_rigid_motion_of_a_bore_stays(block, tmp_path):
+    """Growth 1e-3 R with shift t and small turns w: u_r = (t + w x r) e_r + 1e-3 R."""
+    own, mesh = block
+    q = np.array([20e-6, 100e-6, -10e-6, 2e-4, 1e-4, -3e-4])
+    growth = 1e-3 * mesh.points * [1, 0, 1]
+    u = growth + (rigid_motions(mesh.points) @ q).reshape(-1, 3)
+    given = {"file": str(write_csv(tmp_path / "u.csv", mesh, u)), "length_unit": "mm"}
+    shape = hot_shape(Block(**own, hot_shape=given), (40, 40), quiet)
+    # the rigid motion is exact at the nodes, and small against the growth's round-off
+    assert shape.motion == pytest.approx(q, rel=1e-6) and shape.lower == shape.upper == 0.0
+    radius = OUTER + 25e-6
+    angle, _ = cell_centres(40, 1, 0.0, 1.0)
+    theta, y = angle[:, None], np.linspace(50e-3, 155e-3, 24)
+    x, z = radius * np.sin(theta), radius * np.cos(theta)
+    y = y - (q[1] + q[5] * x - q[3] * z)  # of the material at the heights of the table
+    along_x, along_z = q[0] + q[4] * z - q[5] * y, q[2] + q[3] * y - q[4] * x
+    exact = 1e-3 * radius + along_x * np.sin(theta) + along_z * np.cos(theta)
+    inside = (y > 50e-3) & (y < 155e-3)
+    assert np.abs(shape.radial - exact)[inside].max() < 1e-3 * np.abs(exact).max()
+
+
+def test_temperature_of_each_node(block, tmp_path):
+    """The same linear field from a table and from nodes gives the same shape."""
+    own, mesh = block
+    _, y, _ = mesh.points.T
+    rise = np.column_stack([1e3 * mesh.points, 100.0 + 1e3 * y])
+    np.savetxt(tmp_path / "n.csv", rise, delimiter=",", header="x,y,z,temperature", comments="")
+    (tmp_path / "t.csv").write_text("y,0\n50,150\n155,255\n")
+    shapes = []
+    for source in ({"file": "n.csv"}, {"table": "t.csv"}):
+        ((key, name),) = source.items()
+        field = {key: str(tmp_path / name), "length_unit": "mm", "temperature_unit": "degC"}
+        options = Block(**own, expansion="21e-6 1/K", temperature_field=field)
+        shapes.append(hot_shape(options, (16, 12), quiet).radial)
+    np.testing.assert_allclose(*shapes, atol=1e-9 * np.abs(shapes[0]).max())
+    assert shapes[0].max() == pytest.approx(21e-6 * 225.0 * OUTER, rel=0.05)
