@@ -26,6 +26,7 @@ from ..geometry.profile import HotShape
 from .bases import Elastic, MeanElastic, mean_conditions
 from .geometry import pin_bore
 from .reduce import ends, film_surface, read_body
+from .reduced_body import load
 from .store import contents, kept
 
 Say = Callable[[str], None]
@@ -69,8 +70,6 @@ def kept_hot_shape(
     MeshFault
         If mesh and file do not fit.
     """
-    from .reduced_body import load
-
     name = f"hot_{_name(options)}"
     decided = contents(options, OF_MODES) | {"grid": list(grid)}
     return load(HotShape, kept(name, decided, lambda: hot_shape(options, grid, say), folder))
