@@ -28,7 +28,7 @@ from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
 from piston_cosim.fmu_mfbd.options import read_options
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, mean_conditions
 from piston_cosim.fmu_mfbd.reduction.bosses import SIDES, boss_readings
-from piston_cosim.fmu_mfbd.reduction.reduce import film_surface, full_model, read_surfaces
+from piston_cosim.fmu_mfbd.reduction.reduce import film_surface, full_model, read_body
 from piston_cosim.fmu_mfbd.reduction.reduced_body import Anatomy, ReducedPiston, load
 from piston_cosim.fmu_mfbd.reduction.ties import held_piston
 from piston_cosim.master.case.reading import find_case, read_tree
@@ -44,7 +44,7 @@ class Whole:
     """The piston's mesh, unreduced: balanced loads and free bodies on six supports."""
 
     def __init__(self, build):
-        mesh = read_surfaces(build.piston, ("skirt", "crown", "pin_bore"), lambda text: None)
+        mesh = read_body(build.piston, lambda text: None)
         self.mesh, self.K, self.M = full_model(mesh, build.piston, lambda text: None)
         points = self.mesh.points
         self.bosses = boss_readings(self.mesh, points, boss_films(build))

@@ -29,7 +29,7 @@ from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
 from piston_cosim.fmu_mfbd.finite_elements.solver import factorise
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.options import read_options
-from piston_cosim.fmu_mfbd.reduction.reduce import ends, film_surface, full_model, read_surfaces
+from piston_cosim.fmu_mfbd.reduction.reduce import ends, film_surface, full_model, read_body
 from piston_cosim.fmu_mfbd.reduction.ties import held_piston
 from piston_cosim.master.case.reading import find_case, read_tree
 
@@ -75,7 +75,7 @@ def moved(points, d):
 def deflections(tree, folder):
     """Radial deflection of the skirt under each load, (load, cell) [m]."""
     build = read_options(tree["participants"]["bodies"]["build"], folder)
-    mesh = read_surfaces(build.piston, ("skirt", "crown", "pin_bore"), lambda text: None)
+    mesh = read_body(build.piston, lambda text: None)
     _, K, M = full_model(mesh, build.piston, lambda text: None)
     lower, upper = ends(mesh, "skirt", None, None)
     angle, height = cell_centres(*build.grid, lower, upper)

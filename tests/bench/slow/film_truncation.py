@@ -30,7 +30,7 @@ from piston_cosim.fmu_mfbd.reduction.reduce import (
     ends,
     film_surface,
     full_model,
-    read_surfaces,
+    read_body,
     reduce_block,
     reduce_piston,
 )
@@ -80,8 +80,7 @@ class Surface(NamedTuple):
 def whole_surface(options: Piston | Block, grid, film: FilmLoads, height: np.ndarray) -> Surface:
     """Return the surface of a body with its whole mesh."""
     held, surface = ("pin_bore", "skirt") if isinstance(options, Piston) else ("bolts", "bore")
-    names = (surface, held, "crown") if isinstance(options, Piston) else (surface, held)
-    mesh = read_surfaces(options, names, print)
+    mesh = read_body(options, print)
     _, K, M = full_model(mesh, options, print)
     angle, _ = cell_centres(grid[0], 1, 0.0, 1.0)
     elastic = Elastic(K, M, mesh.nodes(held))
@@ -167,9 +166,9 @@ def main(results=RUN, case="numerical_example"):
     build = read_options(read_tree(path)["participants"]["bodies"]["build"], path.parent)
     loads = recorded_loads(results, build.grid)
     thickness = recorded_film_thickness(results, build.grid)
-    skirt = read_surfaces(build.piston, ("skirt", "crown", "pin_bore"), print)
+    skirt = read_body(build.piston, print)
     rows = film_rows(*ends(skirt, "skirt", None, None), build.grid)
-    bore = read_surfaces(build.block, ("bore", "bolts"), print)
+    bore = read_body(build.block, print)
     lower, upper = ends(bore, "bore", None, None)
     stations = np.linspace(lower, upper, build.block.stations)
     surfaces = {

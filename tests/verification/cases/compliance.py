@@ -12,7 +12,7 @@ from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.options import Build, read_options
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic
-from piston_cosim.fmu_mfbd.reduction.reduce import ends, film_surface, full_model, read_surfaces
+from piston_cosim.fmu_mfbd.reduction.reduce import ends, film_surface, full_model, read_body
 
 from .monolithic import mirrored
 
@@ -102,7 +102,7 @@ def rigid_piston(options: dict[str, Any], folder: Path) -> RigidPiston:
 
 def _piston(build):
     """Return the full model of the piston, and its nodes from A."""
-    mesh = read_surfaces(build.piston, ("skirt", "crown", "pin_bore"), _say_nothing)
+    mesh = read_body(build.piston, _say_nothing)
     model = full_model(mesh, build.piston, _say_nothing)
     return model, model.mesh.points - np.array([build.piston.pin_offset, 0.0, 0.0])
 
@@ -123,7 +123,7 @@ def _say_nothing(text):
 
 def _bore(build: Build):
     around, _ = build.grid
-    mesh = read_surfaces(build.block, ("bore", "bolts"), _say_nothing)
+    mesh = read_body(build.block, _say_nothing)
     _, K, M = full_model(mesh, build.block, _say_nothing)
     lower, upper = ends(mesh, "bore", build.block.bore_lower, build.block.bore_upper)
     stations = np.linspace(lower, upper, build.block.stations)
