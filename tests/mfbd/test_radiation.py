@@ -12,6 +12,7 @@ import pytest
 from piston_cosim.fmu_mfbd.finite_elements.faces import normal_products
 from piston_cosim.fmu_mfbd.finite_elements.mesh import outer_faces
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.models.fired_motorcycle import noise
 from piston_cosim.models.fired_motorcycle.noise import AIR, level, radiation, spectrum
 from piston_cosim.tests.verification.cases.bodies import box_mesh
 
@@ -146,3 +147,23 @@ def test_less_than_a_turn_is_refused():
     velocity, angle = harmonic(180)
     with pytest.raises(BadInput, match="h5: expected 360 deg from an instant on,"):
         spectrum(recorded(velocity[:40], angle[:40]), "bodies", {"+x": np.eye(2)})
+
+
+def test_the_example_prints_the_sides_of_a_reduced_block(
+    coarse, kept, tmp_path, monkeypatch, capsys
+):
+    """The bolted end of the block moves nothing, so its side is at the floor of the levels."""
+    folder, table = coarse
+    run = recorded(*harmonic(180), extra=20)  # 12 modes of the piston, 10 of the block
+    run.path, run.case = tmp_path / "run.h5", {"participants": {"bodies": {"role": "bodies"}}}
+    run.case["participants"]["bodies"] |= {"package": "fmu_mfbd", "build": table}
+    monkeypatch.setattr(noise, "Results", lambda file: run)
+    monkeypatch.setattr(noise, "find_case", lambda name: folder / "case.toml")
+    noise.main("run.h5")
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if " dB " in line]
+    levels = {
+        " ".join(row[1 : row.index("dB") - 1]): float(row[row.index("dB") - 1]) for row in rows
+    }
+    assert set(levels) == {"+x", "-x", "+y", "-y", "+z", "-z", "all sides"}
+    assert levels["-y"] == -300.0 and levels["all sides"] > max(levels["+x"], levels["+z"])
+    assert (tmp_path / "run-bodies-noise.png").stat().st_size > 1e4
