@@ -182,7 +182,7 @@ class Recorder:
         ]
         self._are_all_real = len(self._reals) == len(self.index)
         self._undefined: set[str] = set()
-        self._read: tuple[list[Any], Sequence[Any]] | None = None
+        self._read: tuple[int, tuple[list[Any], Sequence[Any]]] | None = None
         self.crank = self._crank()
         self._make_datasets()
         self._forget()
@@ -330,10 +330,11 @@ class Recorder:
     def not_finite(self, time):
         """Return the outputs to record at `time` [s] that are not finite: port -> value.
 
-        Those that are `undefined` are omitted until they are finite. The row that is written next
-        has the values that are read here.
+        Those that are `undefined` are omitted until they are finite. If the row of this time is
+        written next, it has the values that are read here.
         """
-        row, arrays = self._read = self._values(time)
+        row, arrays = values = self._values(time)
+        self._read = self.rows, values
         reals = row if self._are_all_real else [row[k] for k in self._reals]
         total = sum(reals)
         if total - total == 0.0 and (not arrays or all(map(_are_finite, arrays))):
@@ -367,7 +368,9 @@ class Recorder:
 
         The next `flush` writes it.
         """
-        (row, arrays), self._read = self._read or self._values(time), None
+        known, self._read = self._read, None
+        is_known = known is not None and known[0] == self.rows and known[1][0][0] == time
+        row, arrays = known[1] if known is not None and is_known else self._values(time)
         if solution:
             history = solution.history
             row += len(history), solution.products, history[-1]

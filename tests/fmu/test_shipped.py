@@ -10,13 +10,15 @@ from fmpy.validation import validate_fmu
 from piston_cosim.fmu_mfbd.build import declared_variables
 from piston_cosim.master.case.check import check
 from piston_cosim.master.case.contract import check_fmu, interface
+from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.engine.impacts import impacts
 from piston_cosim.master.engine.oil_balance import oil_balance
 
 from .films import several_films
-from .runs import build_of, is_sound, make, values_of
+from .runs import build_of, coarse, is_sound, make, run_tree, values_of
 from .shipped import (
     BEARINGS,
+    BEFORE_FIRING,
     BORE,
     BUILD,
     DATA_SHEET,
@@ -200,3 +202,13 @@ def test_energy_lost_in_impacts_is_the_drop_of_the_pistons_own_energy(results_of
         assert impact.edge == max(edges, key=lambda edge: abs(edges[edge]))
         assert impact.velocity == pytest.approx(edges[impact.edge], rel=1e-9)
         assert np.sign(impact.velocity) == (1 if impact.side == "thrust" else -1)
+
+
+def test_rows_of_parts_have_the_state_at_their_end(tmp_path):
+    """The crank turns at 10 080 deg/s, so that its angle in a row tells the time of the state."""
+    changes = [("time.step", "5 deg"), ("time.stop", "60 deg")]
+    tree = read_tree(DATA_SHEET, coarse(*changes, BEFORE_FIRING, grid=(16, 12), modes=None))
+    results = run_tree(DATA_SHEET, tree, tmp_path / "parts.h5")
+    assert results.summary["repeated_steps"] > 0 and len(results.time) > 13
+    angle = np.degrees(results.series("bodies.crank_angle").values)
+    np.testing.assert_allclose(angle + 40.0, results.time * 10080.0, atol=1e-9)
