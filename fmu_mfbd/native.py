@@ -90,8 +90,6 @@ def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
         yield "motion_in_space: expected nothing in a native FMU, got a motion in space"
     if (options.get("block") or {}).get("bore_from_outside") is not None:
         yield "block.bore_from_outside: expected nothing in a native FMU, got a table"
-    if shapes := dict(options.get("floating_pin") or {}).get("pin_shapes"):
-        yield f"floating_pin.pin_shapes: expected 0 in a native FMU, got {shapes}"
 
 
 # ---- memory

@@ -27,8 +27,8 @@ from .dynamics.build_options import BuildOptions
 from .dynamics.clearance import bore_shape, skirt_gap
 from .dynamics.contradictions import pin_radius
 from .dynamics.model_faults import faults
-from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters
-from .dynamics.pin_axis import pin_beam
+from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters, settings_of
+from .dynamics.pin_axis import pin_beam, pin_span
 from .dynamics.thermal_growth import Radii
 from .finite_elements.connections import aspect_ratios
 from .finite_elements.element import mass_properties, rigid_mass
@@ -353,7 +353,9 @@ def _of_axis(
 ) -> list[Figure]:
     """Return the figures of a pin that tilts or bends."""
     assert prepared.floating_pin
-    beam = pin_beam(piston.body, prepared.floating_pin, chosen, None, axis)
+    own, shapes = prepared.floating_pin, prepared.floating_pin.pin_shapes
+    settings = settings_of(chosen, axis)
+    beam = pin_beam(piston.body.radius, pin_span(own, None), shapes, settings)
     pin = beam.pin
     area = np.pi * (pin.radius**2 - pin.bore_radius**2)
     figures = [

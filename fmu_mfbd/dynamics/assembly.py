@@ -11,9 +11,8 @@ from ...master.fmi.symmetry import FILM_SYMMETRIES
 from ..geometry.arrays import Matrix
 from ..geometry.film import FilmSurface, knot_rule
 from ..geometry.pin import PinSurface
-from ..geometry.pin_shapes import AxisShapes
+from ..geometry.pin_shapes import AxisShapes, beam_shapes, spin_inertia
 from ..geometry.surfaces import (
-    each_pin_of,
     in_block,
     pin_surface_at,
     pins_in_block,
@@ -45,7 +44,7 @@ from .parameters import (
     SpaceParameters,
     settings_of,
 )
-from .pin_axis import pin_beam, pin_surfaces, with_shapes
+from .pin_axis import pin_beam, pin_rows, pin_span, pin_surfaces, put_beam
 from .pin_films import undamp_static
 from .pin_friction import PinFriction
 from .quasi_static import StaticModes, moving_modes
@@ -99,6 +98,10 @@ class OwnParameters(NamedTuple):
     space: SpaceParameters | None = None
     walls: tuple[Any, ...] = ()
 
+    def of_pin(self) -> list[PinParameters | AxisParameters]:
+        """Return those of the pin that exist."""
+        return [one for one in (self.pin, self.axis) if one]
+
 
 NO_OWN = OwnParameters()
 
@@ -140,6 +143,8 @@ class BodySetup(NamedTuple):
         Films of the skirt before `clearance.machined`, and of pin and crank before `pin_films`.
     half_surfaces : ndarray
         One half of those of the skirt, without surfaces if there is none.
+    pin_shapes, pin_rows, pin_lengths : int, ndarray
+        Number of shapes of the pin; z of the rows of its films and their lengths [m].
     """
 
     fit: Fit
@@ -162,6 +167,9 @@ class BodySetup(NamedTuple):
     surfaces: Annotated[np.ndarray, "n"]
     half_surfaces: Annotated[np.ndarray, "n_half"]
     pin_surfaces: Annotated[np.ndarray, "n"]
+    pin_shapes: int
+    pin_rows: Annotated[np.ndarray, "pins, rows"]
+    pin_lengths: Annotated[np.ndarray, "pins"]
 
 
 def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) -> BodySetup:
@@ -180,7 +188,7 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
     in_plane = not (options.in_space or options.block.bore_from_outside or any(fields))
     if needs.film_symmetry != FILM_SYMMETRIES[0] and in_plane:
         half = half_films(films, (piston, block), options.start)
-    contiguous = np.ascontiguousarray
+    contiguous, pin = np.ascontiguousarray, options.floating_pin
     return BodySetup(
         fit=fit_of(bodies, options, bodies.radii()),
         gas=options.gas or NO_GAS,
@@ -216,38 +224,30 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
         surfaces=in_block(films),
         half_surfaces=in_block(half),
         pin_surfaces=pins_in_block(pin_surfaces(options, bosses, shells)),
+        pin_shapes=pin.pin_shapes if pin else 0,
+        pin_rows=np.array(pin_rows(pin, bosses)) if pin else np.zeros((0, 0)),
+        pin_lengths=np.array([*pin.lengths().values()]) if pin else np.zeros(0),
     )
 
 
 @compilable
 def assembled(setup: BodySetup, p: Settings) -> BodyModel:
-    """Return the model for these parameters, with a pin that stays parallel to its shells."""
-    none = np.zeros(0)
-    solid = p.pin_mass * pin_radius(setup.fit.piston_radius, p) ** 2 / 2
-    return with_pin(setup, p, solid, none, AxisShapes(none, none), pin_films(setup, p))
-
-
-@compilable
-def with_pin(
-    setup: BodySetup,
-    p: Settings,
-    spin_inertia: float,
-    omega: np.ndarray,
-    shapes: AxisShapes,
-    films: np.ndarray,
-) -> BodyModel:
-    """Return the model for these parameters, with the frequencies of the shapes of its pin [rad/s].
-
-    `spin_inertia` is that of the pin if its parameter is 0 [kg m2].
-    """
+    """Return the model for these parameters."""
     fit, wall = setup.fit, setup.wall
+    films, omega = pin_films(setup, p), np.zeros(0)
+    shapes = AxisShapes(np.zeros(0), np.zeros(0))
+    spin = p.pin_mass * pin_radius(fit.piston_radius, p) ** 2 / 2
+    if setup.pin_shapes > 0:
+        beam = pin_beam(fit.piston_radius, fit.pin_span, setup.pin_shapes, p)
+        put_beam(films, beam, setup.pin_rows, setup.pin_lengths, p)
+        omega, shapes, spin = beam.omega, beam_shapes(beam), spin_inertia(beam.pin)
     k, n = moving_modes(setup.piston_omega, p.quasi_static_frequency), len(omega)
     block = len(setup.block_omega)
     cylinder = CylinderParts(
         _moving(setup.piston, modal_springs(setup.piston_omega, p), k),
         _static(setup.piston, setup.piston_omega, k),
         mechanism(fit.piston_radius, fit.pin_offset, p),
-        p.pin_inertia if p.pin_inertia > 0.0 else spin_inertia,
+        p.pin_inertia if p.pin_inertia > 0.0 else spin,
         p.crank_mass,
         p.crank_unbalance,
         fit.floats,
@@ -392,17 +392,9 @@ def assemble_films(
     bodies: ReducedBodies, options: BuildOptions, parameters: Parameters, own: OwnParameters
 ) -> PistonInBore:
     """Return the model of a piston on a tied or floating pin, with all films of pin and crank."""
-    piston, block, bosses, _ = bodies
     setup = setup_of(bodies, options, parameters)
-    p = settings_of(parameters, *([own.pin] if own.pin else []), *own.crank.values(), *own.walls)
-    model = assembled(setup, p)
-    if own.axis:
-        assert options.floating_pin
-        beam = pin_beam(piston, options.floating_pin, parameters, bosses, own.axis)
-        rigid = each_pin_of(model.parts.pin_surfaces)
-        films = pins_in_block(with_shapes(rigid, options.floating_pin, bosses, beam, own.axis))
-        model = with_pin(setup, p, beam.pin.spin_inertia(), beam.omega, beam.shapes(), films)
-    return _in_bore(model, block, options)
+    p = settings_of(parameters, *own.of_pin(), *own.crank.values(), *own.walls)
+    return _in_bore(assembled(setup, p), bodies.block, options)
 
 
 def assemble_in_space(
@@ -443,7 +435,7 @@ def assemble_in_space(
 def fit_of(bodies: ReducedBodies, options: BuildOptions, radii: Mapping[str, float]) -> Fit:
     """Return what parameters have to fit."""
     piston, block, bosses, _ = bodies
-    films = options.crank_surfaces()
+    films, pin = options.crank_surfaces(), options.floating_pin
     return Fit(
         piston.radius,
         piston.skirt_lower,
@@ -455,6 +447,7 @@ def fit_of(bodies: ReducedBodies, options: BuildOptions, radii: Mapping[str, flo
         radii.get("small_end", 0.0),
         radii.get("big_end", 0.0),
         radii.get("main_bearing", 0.0),
+        pin_span(pin, bosses) if pin and pin.pin_shapes else 0.0,
         options.speed is not None,
         options.floating_pin is not None,
         "big_end" in films,

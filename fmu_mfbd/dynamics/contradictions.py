@@ -45,6 +45,8 @@ SENTENCES = {
     "not_of_big_end": "big_end_radius: expected within 2 % of the shell, {b} mm, got {a} mm",
     "not_of_main_bearing": "main_bearing_radius: expected within 2 % of the shell, {b} mm, "
     "got {a} mm",
+    "bore_of_pin": "pin_bore_radius: expected less than the radius of the pin, {b} mm, got {a} mm",
+    "short_pin": "pin_length: expected 0 or at least the length of all films, {b} mm, got {a} mm",
     "no_pin_mass": "pin_mass: expected more than 0 kg with a floating pin, got 0 kg",
     "no_gas_table": NO_GAS_TABLE,
     "gas_twice": GAS_TWICE,
@@ -79,6 +81,7 @@ class Fit(NamedTuple):
     """Data that parameters have to fit; the radii of rigid bodies are 0 [m].
 
     has_speed : a table of crank speed;
+    pin_span : least length of a pin with shapes [m], 0 without;
     symmetric_film : whether the modes assume a symmetric film.
     """
 
@@ -92,6 +95,7 @@ class Fit(NamedTuple):
     eye_radius: float
     big_end_shell: float
     main_bearing_shell: float
+    pin_span: float
     has_speed: bool
     floats: bool
     has_big_end: bool
@@ -152,6 +156,10 @@ def check_pin(fit: Fit, p: Settings, faults: np.ndarray) -> None:
         if given != 0.0 and given != usual:
             refuse(faults, number, 0.0, 0.0, given, 0.0, 0.0)
     refuse_beside(faults, FAULT.not_of_eye, radius, fit.eye_radius)
+    if fit.pin_span > 0.0 and p.pin_bore_radius >= radius:
+        refuse(faults, FAULT.bore_of_pin, 0.0, 0.0, 1e3 * p.pin_bore_radius, 1e3 * radius, 0.0)
+    if 0.0 < p.pin_length < (1 - 1e-9) * fit.pin_span:
+        refuse(faults, FAULT.short_pin, 0.0, 0.0, 1e3 * p.pin_length, 1e3 * fit.pin_span, 0.0)
 
 
 @compilable

@@ -7,7 +7,6 @@ from .assembly import NO_OWN, OwnParameters, ReducedBodies, fit_of
 from .build_options import BuildOptions
 from .contradictions import FAULT, FAULTS, check
 from .parameters import Parameters, settings_of
-from .pin_axis import axis_faults
 from .thermal_growth import wall_faults
 
 LARGEST_OFFSET = 0.5
@@ -32,14 +31,12 @@ def faults(
     noted = none_yet()
     lacks_gas = parameters.gas_source == "table" and not options.gas
     fit = fit_of(bodies, options, bodies.radii() if radii is None else radii)
-    check(fit, settings_of(parameters, *own.crank.values()), lacks_gas, noted)
+    check(fit, settings_of(parameters, *own.of_pin(), *own.crank.values()), lacks_gas, noted)
     out = sentences_of(noted, FAULTS)
     if noted[1] == FAULT.rod_too_short and out:
         return out
     if options.in_space and parameters.crank_free:
         out.append("crank_free: expected 0 with motion in space, got 1")
-    if options.floating_pin and own.axis:
-        out += axis_faults(bodies.piston, bodies.bosses, options.floating_pin, parameters, own.axis)
     modes = len(bodies.block.omega) + len(bodies.piston.omega)
     if options.in_space and modes:
         out.append(f"motion_in_space: expected rigid bodies, got {modes} modes")

@@ -352,7 +352,13 @@ CHOICES = {"gas_source": GAS_SOURCES, "film_symmetry": FILM_SYMMETRIES}
 """Values of the parameters that are choices, which kernels know by their numbers from 1 on."""
 WALL_PARAMETERS = {"skirt": SkirtTemperatureParameters, "bore": BoreTemperatureParameters}
 """Wall -> parameters of its temperature."""
-DECLARED = (Parameters, PinParameters, *CRANK_PARAMETERS.values(), *WALL_PARAMETERS.values())
+DECLARED = (
+    Parameters,
+    PinParameters,
+    AxisParameters,
+    *CRANK_PARAMETERS.values(),
+    *WALL_PARAMETERS.values(),
+)
 Settings = namedtuple("Settings", (one.name for kind in DECLARED for one in fields(kind)))
 Settings.__annotations__ = dict.fromkeys(Settings._fields, float)
 """`Parameters` and those of pin and crank, as kernels know them: floats, 0 if absent."""

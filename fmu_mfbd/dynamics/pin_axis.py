@@ -4,22 +4,24 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ...master.fmi.compiled import compilable
 from ..geometry.grid import film_rows
-from ..geometry.pin import PIN_SURFACES, PinSurface, ShellModes, pin_surface, relieved, shell_modes
-from ..geometry.pin_shapes import Beam, HollowPin, free_beam
+from ..geometry.pin import PIN_SURFACES, PinSurface, ShellModes, pin_surface, shell_modes
+from ..geometry.pin_shapes import Beam, HollowPin, beam_at, free_beam
+from ..geometry.surfaces import pin_surface_at
 from ..mechanism.cylinder import EYE
-from ..reduction.reduced_body import ReducedBosses, ReducedPiston, ReducedShell
+from ..reduction.reduced_body import ReducedBosses, ReducedShell
 from .build_options import BuildOptions, FloatingPin
 from .contradictions import pin_radius
-from .parameters import AxisParameters, Parameters
+from .parameters import Settings
 
 
 def pin_surfaces(
     options: BuildOptions, bosses: ReducedBosses | None, shells: Mapping[str, ReducedShell]
 ) -> tuple[PinSurface, ...]:
-    """Return the films of a pin that stays parallel to its shells, and of the crank.
+    """Return the films of pin and crank, without radius, clearance and values of shapes.
 
-    They have no radius and clearance yet. A tied pin has none.
+    A tied pin has none.
     """
     names = (*(PIN_SURFACES if options.floating_pin else ()), *options.crank_surfaces())
     modes: list[ShellModes | None] = [None] * len(names)
@@ -28,26 +30,12 @@ def pin_surfaces(
     for k, name in enumerate(names):
         if shell := shells.get(name):
             modes[k] = shell_modes(shell.outward, shell.onward)
+    shapes = options.floating_pin.pin_shapes if options.floating_pin else 0
+    counts = (shapes if name in PIN_SURFACES else 0 for name in names)
     return tuple(
-        pin_surface(0.0, 0.0, grid.shape, one) for grid, one in zip(options.pin_grids(), modes)
+        pin_surface(0.0, 0.0, grid.shape, one, np.zeros((grid.shape[1], n)))
+        for grid, one, n in zip(options.pin_grids(), modes, counts)
     )
-
-
-def with_shapes(
-    films: tuple[PinSurface, ...],
-    pin: FloatingPin,
-    bosses: ReducedBosses | None,
-    beam: Beam,
-    axis: AxisParameters,
-) -> tuple[PinSurface, ...]:
-    """Return the films of a pin that tilts and bends, with relieved shells."""
-    reliefs = axis.boss_relief, axis.boss_relief, axis.small_end_relief
-    each = zip(films, pin_rows(pin, bosses), reliefs, pin.lengths().values())
-    of_pin = [
-        one._replace(clearance=relieved(one.clearance, relief, z, long), axis=beam.at(z))
-        for one, z, relief, long in each
-    ]
-    return (*of_pin, *films[len(of_pin) :])
 
 
 def pin_rows(pin: FloatingPin, bosses: ReducedBosses | None) -> tuple[np.ndarray, ...]:
@@ -73,44 +61,47 @@ def pin_span(pin: FloatingPin, bosses: ReducedBosses | None) -> float:
     return max(2 * np.abs(z).max() + long / along for z, long in zip(rows, lengths))
 
 
-def pin_beam(
-    piston: ReducedPiston,
-    pin: FloatingPin,
-    parameters: Parameters,
-    bosses: ReducedBosses | None,
-    axis: AxisParameters,
-) -> Beam:
-    """Return a floating pin as a free beam with the shapes of the build table."""
+@compilable
+def pin_beam(piston_radius: float, span: float, shapes: int, p: Settings) -> Beam:
+    """Return a floating pin as a free beam with its first shapes.
+
+    `span` is its length if the parameter is 0, the radius is that of the skirt [m].
+    """
     hollow = HollowPin(
-        mass=parameters.pin_mass,
-        length=axis.pin_length or pin_span(pin, bosses),
-        radius=pin_radius(piston.radius, parameters),
-        bore_radius=axis.pin_bore_radius,
-        young=axis.pin_young,
-        poisson=axis.pin_poisson,
+        p.pin_mass,
+        p.pin_length if p.pin_length > 0.0 else span,
+        pin_radius(piston_radius, p),
+        p.pin_bore_radius,
+        p.pin_young,
+        p.pin_poisson,
     )
-    return free_beam(hollow, pin.pin_shapes)
+    return free_beam(hollow, shapes)
 
 
-def axis_faults(
-    piston: ReducedPiston,
-    bosses: ReducedBosses | None,
-    pin: FloatingPin,
-    parameters: Parameters,
-    axis: AxisParameters,
-) -> list[str]:
-    """Return sentences about a pin whose parameters contradict each other."""
-    out = []
-    radius = pin_radius(piston.radius, parameters)
-    if axis.pin_bore_radius >= radius:
-        out.append(
-            f"pin_bore_radius: expected less than the radius of the pin, {1e3 * radius:.4g} mm, "
-            f"got {1e3 * axis.pin_bore_radius:.4g} mm"
-        )
-    span = pin_span(pin, bosses)
-    if axis.pin_length and axis.pin_length < (1 - 1e-9) * span:
-        out.append(
-            f"pin_length: expected 0 or at least the length of all films, {1e3 * span:.4g} mm, "
-            f"got {1e3 * axis.pin_length:.4g} mm"
-        )
-    return out
+@compilable
+def put_beam(
+    films: np.ndarray, beam: Beam, rows: np.ndarray, lengths: np.ndarray, p: Settings
+) -> None:
+    """Write the shapes of a pin into its films, and widen these by the relief.
+
+    Eq. (H12):  c(z) = c + r (2 (z - z_0)/L)^2      z_0 its middle, L its length, r the relief
+
+    Parameters
+    ----------
+    films : ndarray
+        All films of pin and crank, a block of `geometry.surfaces`; changed.
+    beam : Beam
+    rows : ndarray, shape (films, a)
+        z of the rows of those of the pin [m].
+    lengths : ndarray, shape (films,)
+        L [m].
+    p : Settings
+    """
+    for e in range(len(rows)):
+        film, z = pin_surface_at(films, e), rows[e]
+        relief = p.boss_relief if e < EYE else p.small_end_relief
+        middle, shape = z.sum() / len(z), beam_at(beam, z)
+        for j in range(len(z)):
+            film.clearance[j] += relief * (2 * (z[j] - middle) / lengths[e]) ** 2  # Eq. (H12)
+            for k in range(shape.shape[1]):
+                film.axis[j, k] = shape[j, k]

@@ -150,32 +150,6 @@ def pin_surface(
     return PinSurface(outward, onward, float(radius), by_row, modes, np.ascontiguousarray(axis))
 
 
-def relieved(
-    clearance: float | np.ndarray, relief: float, rows: np.ndarray, length: float
-) -> np.ndarray:
-    """Return the clearance of a shell that widens towards its ends, by row.
-
-    Eq. (H12):  c(z) = c + r (2 (z - z_0)/L)^2      z_0 its middle, L its length
-
-    Parameters
-    ----------
-    clearance : float or ndarray, shape (a,)
-        c in the middle, constant or by row [m].
-    relief : float
-        r, the additional clearance at the ends [m].
-    rows : ndarray, shape (a,)
-        z of the grid's rows [m].
-    length : float
-        L [m].
-
-    Returns
-    -------
-    ndarray, shape (a,)
-        [m]
-    """
-    return clearance + relief * (2 * (rows - rows.mean()) / length) ** 2  # Eq. (H12)
-
-
 @compilable
 def turned(angle: float) -> np.ndarray:
     """Return the matrix, (2, 2), from axes that are rotated by an angle [rad] to space."""

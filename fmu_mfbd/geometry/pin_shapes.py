@@ -15,10 +15,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from .arrays import Vector
+from ...master.fmi.compiled import compilable
+from .arrays import Matrix, Vector
+from .eigen import symmetric_eigen
 
 DEGREE = 30
 """Degree of the polynomials for deflection and rotation of the sections."""
+
+SIZE = DEGREE + 1
+POINTS, WEIGHTS = legendre.leggauss(SIZE)
+VALUE = np.ascontiguousarray(legendre.legvander(POINTS, DEGREE))
+RATE = np.ascontiguousarray(legendre.legval(POINTS, legendre.legder(np.eye(SIZE))).T)
+"""Rule of Gauss, and the polynomials and their derivatives at its points, (points, size)."""
 
 MOST = 11
 """Maximum number of shapes: tilt and ten bending shapes."""
@@ -43,13 +51,6 @@ class HollowPin(NamedTuple):
     bore_radius: float
     young: float
     poisson: float
-
-    def spin_inertia(self) -> float:
-        """Return the moment of inertia about the pin's axis [kg m2].
-
-        Eq. (J26):  J = m (R^2 + r^2)/2
-        """
-        return self.mass * (self.radius**2 + self.bore_radius**2) / 2  # Eq. (J26)
 
 
 class Section(NamedTuple):
@@ -103,22 +104,11 @@ class Beam(NamedTuple):
     """
 
     pin: HollowPin
-    omega: np.ndarray
-    polynomials: np.ndarray
-
-    def at(self, z: np.ndarray) -> np.ndarray:
-        """Return each shape at positions from the pin's middle [m], (len(z), n) [kg^-1/2]."""
-        return legendre.legval(2 * z / self.pin.length, self.polynomials).T
-
-    def shapes(self) -> AxisShapes:
-        """Return tilt and sag of the shapes."""
-        ends = self.pin.length / 2 * np.array([-1.0, 0.0, 1.0])
-        low, middle, high = self.at(ends)
-        slope = np.zeros(len(self.omega))
-        slope[:1] = high[:1] * 2 / self.pin.length
-        return AxisShapes(slope, middle - (low + high) / 2)
+    omega: Vector
+    polynomials: Matrix
 
 
+@compilable
 def section(pin: HollowPin) -> Section:
     """Return the section of a pin.
 
@@ -137,13 +127,14 @@ def section(pin: HollowPin) -> Section:
     kappa = 6 * (1 + nu) * whole / ((7 + 6 * nu) * whole + (20 + 12 * nu) * m2)
     by_length = pin.mass / pin.length
     return Section(
-        shear=float(kappa * rigidity * area),
-        bending=float(pin.young * second),
+        shear=kappa * rigidity * area,
+        bending=pin.young * second,
         mass=by_length,
-        turning=float(by_length * second / area),
+        turning=by_length * second / area,
     )
 
 
+@compilable
 def free_beam(pin: HollowPin, n: int) -> Beam:
     """Return the first n shapes: tilt, then bending shapes by ascending frequency.
 
@@ -166,28 +157,80 @@ def free_beam(pin: HollowPin, n: int) -> Beam:
     [Timoshenko1921]. Checked against the frequencies of Euler's slender beam and against the
     frequency equation of Timoshenko's in tests/mfbd/test_pin_shapes.py.
     """
-    of = section(pin)
-    length = pin.length
-    size = DEGREE + 1
-    points, weights = legendre.leggauss(size)
-    weights = weights * length / 2
-    norm = np.sqrt((2 * np.arange(size) + 1) / length)
-    value = legendre.legvander(points, DEGREE) * norm
-    rate = legendre.legval(points, legendre.legder(np.diag(norm))).T * 2 / length
-    # Eqs. (J29), (J30), each unknown by the root of its mass: int of the values' squares is 1
-    sheared = np.hstack([rate / np.sqrt(of.mass), -value / np.sqrt(of.turning)])
-    turned = np.hstack([np.zeros_like(rate), rate / np.sqrt(of.turning)])
-    stiffness = of.shear * (sheared.T * weights) @ sheared
-    stiffness += of.bending * (turned.T * weights) @ turned
-    square, vectors = np.linalg.eigh(stiffness)
+    of, length = section(pin), pin.length
+    norm = np.empty(SIZE)
+    for k in range(SIZE):
+        norm[k] = np.sqrt((2 * k + 1) / length)
+    square, vectors = symmetric_eigen(_stiffness(of, length, norm))
     # the first two are shift and tilt, at rest
-    bending = slice(2, 2 + max(n - 1, 0))
-    polynomials = norm[:, None] * vectors[:size, bending] / np.sqrt(of.mass)
-    tilt = np.zeros((size, min(n, 1)))
-    tilt[1:2] = 1 / np.sqrt(pin.mass / 3 + 4 * of.turning / length)
-    both = np.hstack([tilt, polynomials])
-    return Beam(
-        pin,
-        omega=np.concatenate([np.zeros(min(n, 1)), np.sqrt(square[bending])]),
-        polynomials=both * np.where(both.sum(axis=0) < 0.0, -1.0, 1.0),
-    )
+    out = Beam(pin, np.zeros(n), np.zeros((SIZE, n)))
+    if n > 0:
+        out.polynomials[1, 0] = 1 / np.sqrt(pin.mass / 3 + 4 * of.turning / length)
+    for j in range(1, n):
+        out.omega[j] = np.sqrt(square[j + 1])
+        total = 0.0
+        for k in range(SIZE):
+            out.polynomials[k, j] = norm[k] * vectors[k, j + 1] / np.sqrt(of.mass)
+            total += out.polynomials[k, j]
+        for k in range(SIZE if total < 0.0 else 0):
+            out.polynomials[k, j] = -out.polynomials[k, j]
+    return out
+
+
+@compilable
+def _stiffness(of, length, norm):
+    """Return the stiffness for unknowns by the root of their mass, Eqs. (J29), (J30)."""
+    shears, turns = np.zeros((SIZE, 2 * SIZE)), np.zeros((SIZE, 2 * SIZE))
+    for q in range(SIZE):
+        weight = np.sqrt(WEIGHTS[q] * length / 2)
+        shear, bending = np.sqrt(of.shear) * weight, np.sqrt(of.bending) * weight
+        for k in range(SIZE):
+            value, rate = VALUE[q, k] * norm[k], RATE[q, k] * norm[k] * 2 / length
+            shears[q, k] = shear * rate / np.sqrt(of.mass)
+            shears[q, SIZE + k] = -shear * value / np.sqrt(of.turning)
+            turns[q, SIZE + k] = bending * rate / np.sqrt(of.turning)
+    out = np.empty((2 * SIZE, 2 * SIZE))
+    for i in range(2 * SIZE):
+        for j in range(i + 1):
+            total = 0.0
+            for q in range(SIZE):
+                total += shears[q, i] * shears[q, j] + turns[q, i] * turns[q, j]
+            out[i, j], out[j, i] = total, total
+    return out
+
+
+@compilable
+def beam_at(beam: Beam, z: np.ndarray) -> np.ndarray:
+    """Return each shape at positions from the pin's middle [m], (len(z), n) [kg^-1/2]."""
+    size, n = beam.polynomials.shape
+    out = np.zeros((len(z), n))
+    for i in range(len(z)):
+        x = 2 * z[i] / beam.pin.length
+        before, value = 0.0, 1.0
+        for k in range(size):
+            for j in range(n):
+                out[i, j] += beam.polynomials[k, j] * value
+            before, value = value, ((2 * k + 1) * x * value - k * before) / (k + 1)
+    return out
+
+
+@compilable
+def beam_shapes(beam: Beam) -> AxisShapes:
+    """Return tilt and sag of the shapes."""
+    half, n = beam.pin.length / 2, len(beam.omega)
+    ends = beam_at(beam, np.array((-half, 0.0, half)))
+    out = AxisShapes(np.zeros(n), np.empty(n))
+    for j in range(n):
+        out.sag[j] = ends[1, j] - (ends[0, j] + ends[2, j]) / 2
+    if n > 0:
+        out.slope[0] = ends[2, 0] / half
+    return out
+
+
+@compilable
+def spin_inertia(pin: HollowPin) -> float:
+    """Return the moment of inertia about the pin's axis [kg m2].
+
+    Eq. (J26):  J = m (R^2 + r^2)/2
+    """
+    return pin.mass * (pin.radius**2 + pin.bore_radius**2) / 2  # Eq. (J26)

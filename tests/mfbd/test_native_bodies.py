@@ -14,6 +14,7 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import (
     CRANK_PARAMETERS,
     NO_GAS_TABLE,
     WALL_PARAMETERS,
+    AxisParameters,
     Parameters,
     PinParameters,
     Settings,
@@ -265,14 +266,13 @@ def test_parameters_that_do_not_fit_are_told_in_the_words_of_the_slave(told):
 
 
 def test_every_parameter_is_a_setting():
-    kinds = Parameters, PinParameters, *CRANK_PARAMETERS.values(), *WALL_PARAMETERS.values()
-    own = {name for kind in kinds for name in vars(kind())}
+    kinds = Parameters, PinParameters, AxisParameters
+    of_parts = *CRANK_PARAMETERS.values(), *WALL_PARAMETERS.values()
+    own = {name for kind in (*kinds, *of_parts) for name in vars(kind())}
     assert set(Settings._fields) == own
 
 
 def test_options_that_are_not_covered_are_said_as_a_case_gives_them_and_as_built():
     given = {"speed": {"points": []}, "floating_pin": None, "mounted": False, "film_surfaces": []}
     assert list(uncovered(given)) == []
-    assert list(uncovered({"floating_pin": {"boss_modes": 60, "pin_shapes": 0}})) == []
-    (told,) = uncovered({"floating_pin": {"pin_shapes": 5}})
-    assert told == "floating_pin.pin_shapes: expected 0 in a native FMU, got 5"
+    assert list(uncovered({"floating_pin": {"boss_modes": 60, "pin_shapes": 5}})) == []

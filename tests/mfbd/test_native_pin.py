@@ -51,7 +51,7 @@ VALUES = {
 CRANK = {"big_end": (10, 3), "main_bearing": (8, 4)}
 
 
-def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3), floats=True, start=None):
+def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3), floats=True, start=None, shapes=0):
     """Folder of a slave's resources; bosses, block, eye and shells of the crank yield."""
     piston, _, bosses, _ = yielding_bodies()
     parts = {"piston": piston, "block": flexible_block(), "bosses": bosses}
@@ -67,6 +67,7 @@ def built(folder, eye_radius=18e-3, shell_radii=(24e-3, 27e-3), floats=True, sta
         bosses="bosses.npz",
         small_end="eye.npz",
         small_end_modes=SHELL_MODES,
+        pin_shapes=shapes,
     )
     crank = tuple(
         CrankBearing(name, grid, 30e-3, shell=f"{name}.npz", modes=SHELL_MODES)
@@ -96,6 +97,18 @@ def test_films_of_the_crank_with_a_tied_pin_are_those_of_the_model(tmp_path):
     """Other parameters of pin and eye do not exist."""
     rubbing = VALUES | {"pin_friction_coefficient": 0.05}
     held(side_by_side(built(tmp_path, floats=False), rubbing), 1e-12)
+
+
+def test_a_pin_that_bends_is_that_of_the_model(tmp_path):
+    """With relieved shells and a bore; then with faults of both in the words of the slave."""
+    bends = dict(pin_bore_radius=9.4e-3, pin_young=206e9, pin_poisson=0.3, pin_length=0.12)
+    relief = dict(boss_relief=3e-6, small_end_relief=2e-6)
+    folder = built(tmp_path, shapes=4)
+    held(side_by_side(folder, VALUES | bends | relief), 1e-12)
+    of_python, of_machine = side_by_side(
+        folder, VALUES | bends | {"pin_bore_radius": 0.02, "pin_length": 0.02}
+    )
+    assert of_machine == of_python and len(of_python) == 2
 
 
 def test_a_start_in_motion_is_that_of_the_model(tmp_path):

@@ -13,6 +13,7 @@ from scipy.linalg import expm
 from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters
 from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
 from piston_cosim.fmu_mfbd.dynamics.pin_shells import shapes_of
+from piston_cosim.fmu_mfbd.geometry.eigen import symmetric_eigen
 from piston_cosim.fmu_mfbd.geometry.pin import (
     ModeMotion,
     PinForces,
@@ -22,7 +23,15 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     resultants_on,
     turned,
 )
-from piston_cosim.fmu_mfbd.geometry.pin_shapes import MOST, HollowPin, free_beam, section
+from piston_cosim.fmu_mfbd.geometry.pin_shapes import (
+    MOST,
+    HollowPin,
+    beam_at,
+    beam_shapes,
+    free_beam,
+    section,
+    spin_inertia,
+)
 
 from .pin_models import (
     AXIS,
@@ -105,15 +114,15 @@ def test_shapes_have_no_part_in_the_shift_nor_in_each_other():
     """
     beam = free_beam(PIN, 7)
     points, weights = np.polynomial.legendre.leggauss(80)
-    value = beam.at(points * PIN.length / 2)
+    value = beam_at(beam, points * PIN.length / 2)
     assert np.abs(weights @ value).max() < 1e-10
-    shapes = beam.shapes()
+    shapes = beam_shapes(beam)
     about = PIN.mass * (PIN.length**2 / 12 + (PIN.radius**2 + PIN.bore_radius**2) / 4)
     assert 1 / shapes.slope[0] ** 2 == pytest.approx(about, rel=1e-12)
     assert shapes.slope[1:].tolist() == [0.0] * 6
     # of shift: no slope; of a bent shape the middle lies away from the ends
     assert abs(shapes.sag[0]) < 1e-12 and abs(shapes.sag[1]) > 1.0
-    assert PIN.spin_inertia() == pytest.approx(0.5 * (0.018**2 + 0.0094**2) / 2, rel=1e-12)
+    assert spin_inertia(PIN) == pytest.approx(0.5 * (0.018**2 + 0.0094**2) / 2, rel=1e-12)
 
 
 def sag_of_even_loads(pin):
@@ -142,11 +151,11 @@ def test_deflection_under_eye_and_bosses_by_number_of_shapes(shapes, error):
 
     def push(begin, end):
         z = (begin + end) / 2 + (end - begin) / 2 * points
-        return weights @ beam.at(z) / 2
+        return weights @ beam_at(beam, z) / 2
 
     outer = EYE / 2 + BOSS
     force = push(-EYE / 2, EYE / 2) - push(EYE / 2, outer) / 2 - push(-outer, -EYE / 2) / 2
-    sag = beam.shapes().sag[1:] @ (force[1:] / beam.omega[1:] ** 2)
+    sag = beam_shapes(beam).sag[1:] @ (force[1:] / beam.omega[1:] ** 2)
     assert sag == pytest.approx(sag_of_even_loads(PIN), rel=error)
 
 
@@ -185,6 +194,19 @@ def test_gap_and_forces_of_a_leaning_pin_by_hand():
         surface, forces, none, none, 30.0, rigid, ModeMotion(up @ axes, 0 * up)
     )
     assert power == pytest.approx(2.0 * (0.02 - 3e-6) * 30.0, rel=1e-12)
+
+
+def test_eigenvalues_are_numpys():
+    """A symmetric matrix with a double eigenvalue, and one whose entries span 16 decades."""
+    turn, _ = np.linalg.qr(np.random.default_rng(0).standard_normal((6, 6)))
+    double = turn * [-3.0, 1.0, 1.0, 2.0, 5.0, 8.0] @ turn.T
+    scale = 10.0 ** np.arange(0, 12, 2)
+    for matrix in (double, scale[:, None] * (np.eye(6) + 0.1) * scale):
+        values, vectors = symmetric_eigen(matrix)
+        size = np.abs(matrix).max()
+        np.testing.assert_allclose(values, np.linalg.eigvalsh(matrix), atol=1e-14 * size)
+        np.testing.assert_allclose(matrix @ vectors, vectors * values, atol=1e-14 * size)
+        np.testing.assert_allclose(vectors.T @ vectors, np.eye(6), atol=1e-14)
 
 
 def test_a_relieved_shell_by_hand():
