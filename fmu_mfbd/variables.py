@@ -220,8 +220,8 @@ BEARINGS: Rows = (
     (
         "bearing_coordinate",
         "1",
-        "Coordinates of pin, crank and their shells, for a start from a snapshot: plays [m], angle "
-        "of the pin [rad], shapes of the pin and modes of the shells [kg^(1/2) m]",
+        "Coordinates of pin, crank and shells for a start: plays [m], angle of the pin [rad], "
+        "shapes and modes [kg^(1/2) m]",
         1e-6,
     ),
     ("bearing_velocity", "1/s", "Time derivatives of the coordinates of pin and crank", 1e-2),
