@@ -8,7 +8,7 @@ skirt_films        all films of the skirt
 instant            all of it at one instant, compiled
 response           its derivative
 modal_damping      springs and dampers of modes (I)
-floating_frame     a flexible body in its frame
+floating_frame     integrals of a flexible body
 pin_friction       between piston and pin
 generalised_alpha  time integration
 bdf2               that of a pin on films, and of the modes that hold it

@@ -109,18 +109,14 @@ class RodTurn(NamedTuple):
     ----------
     velocity : float
         psi' [rad/s].
-    slope, curvature : float
-        dpsi/dx_A [1/m], d2psi/dx_A2 [1/m2].
-    velocity_slope : float
-        dpsi'/dx_A [1/(m s)].
+    slope : float
+        dpsi/dx_A [1/m].
     lever : float
         dpsi/dphi [-].
     """
 
     velocity: float
     slope: float
-    curvature: float
-    velocity_slope: float
     lever: float
 
 
@@ -131,29 +127,21 @@ class Link(NamedTuple):
     ----------
     axial_acceleration : float
         Y'' [m/s2].
-    axial_by_acceleration, axial_by_velocity, axial_by_position : float
-        Its slopes against x_A'' [-], x_A' [1/s] and x_A [1/s2].
-    slope, curvature : float
-        dY/dx_A [-], d2Y/dx_A2 [1/m].
+    axial_by_velocity : float
+        Its slope against x_A' [1/s].
+    slope : float
+        dY/dx_A [-].
     rod_force : float
         Inertia force of the rod on x_A [N].
-    rod_force_by_acceleration, rod_force_by_velocity, rod_force_by_position : float
-        Its slopes against x_A'' [kg], x_A' [kg/s] and x_A [kg/s2].
     rod_moment : float
         Inertia moment of the rod on phi [N m].
     rod : RodTurn
     """
 
     axial_acceleration: float
-    axial_by_acceleration: float
     axial_by_velocity: float
-    axial_by_position: float
     slope: float
-    curvature: float
     rod_force: float
-    rod_force_by_acceleration: float
-    rod_force_by_velocity: float
-    rod_force_by_position: float
     rod_moment: float
     rod: RodTurn
 
@@ -190,9 +178,9 @@ def motion(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> 
     """Return the acceleration of A along y and the rod's share of the equations of motion.
 
     Eq. (K2):  Y'' = -r cos(phi) w^2 - r sin(phi) w' + f1 xi'' + f2 xi'^2
-               f1 = -xi/f,  f2 = -L^2/f^3,  f3 = -3 L^2 xi/f^5        derivatives of f(xi), Eq. (K1)
+               f1 = -xi/f,  f2 = -L^2/f^3        derivatives of f(xi), Eq. (K1)
     Eq. (K3):  psi = -asin(xi/L),  psi'' = psi1 xi'' + psi2 xi'^2
-               psi1 = -1/f,  psi2 = -xi/f^3,  psi3 = -1/f^3 - 3 xi^2/f^5         the rod's angle
+               psi1 = -1/f,  psi2 = -xi/f^3         the rod's angle
     Eq. (K4):  on x_A:  k m_r e . G'' + J_r psi1 psi'',  e = (1, f1)
     Eq. (K5):  on phi:  m_r G_phi . G'' + J_r psi_phi psi''
                G = (1 - k) P + k A  the rod's centre of mass, P the crank pin, k = rod_centre
@@ -230,27 +218,17 @@ def motion(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> 
     f = np.sqrt(length**2 - xi**2)
     f1 = -xi / f
     f2 = -(length**2) / f**3
-    f3 = -3 * length**2 * xi / f**5
     axial = py + f1 * xi_acceleration + f2 * xi_velocity**2
-    axial_by_velocity = 2 * f2 * xi_velocity
-    axial_by_position = f2 * xi_acceleration + f3 * xi_velocity**2
 
     # Eq. (K3)
     psi1 = -1 / f
     psi2 = -xi / f**3
-    psi3 = -1 / f**3 - 3 * xi**2 / f**5
     turn = psi1 * xi_acceleration + psi2 * xi_velocity**2
-    turn_by_velocity = 2 * psi2 * xi_velocity
-    turn_by_position = psi2 * xi_acceleration + psi3 * xi_velocity**2
 
     # Eq. (K4)
     gx = k * lateral.acceleration + (1 - k) * px
     gy = k * axial + (1 - k) * py
     force = k * mass * (gx + f1 * gy) + inertia * psi1 * turn
-    force_by_acceleration = k * mass * (k + f1 * k * f1) + inertia * psi1 * psi1
-    force_by_velocity = k * mass * f1 * k * axial_by_velocity + inertia * psi1 * turn_by_velocity
-    centre_by_position = k * mass * (f2 * gy + f1 * k * axial_by_position)
-    turning_by_position = inertia * (psi2 * turn + psi1 * turn_by_position)
 
     # Eq. (K5)
     gx_by_phi = -(1 - k) * r * cosine
@@ -259,21 +237,13 @@ def motion(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> 
 
     return Link(
         axial_acceleration=axial,
-        axial_by_acceleration=f1,
-        axial_by_velocity=axial_by_velocity,
-        axial_by_position=axial_by_position,
+        axial_by_velocity=2 * f2 * xi_velocity,
         slope=f1,
-        curvature=f2,
         rod_force=force,
-        rod_force_by_acceleration=force_by_acceleration,
-        rod_force_by_velocity=force_by_velocity,
-        rod_force_by_position=centre_by_position + turning_by_position,
         rod_moment=moment,
         rod=RodTurn(
             velocity=psi1 * xi_velocity,  # Eq. (K6)
             slope=psi1,
-            curvature=psi2,
-            velocity_slope=psi2 * xi_velocity,
             lever=psi1 * r * cosine,
         ),
     )

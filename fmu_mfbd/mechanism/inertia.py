@@ -1,4 +1,10 @@
-"""Inertia and elastic forces of the bodies of a chain, and their derivative."""
+"""Inertia and elastic forces of the bodies of a chain, and their derivative.
+
+References
+----------
+[Shabana2013] A. A. Shabana, Dynamics of Multibody Systems, 4th ed., Cambridge University Press,
+2013.
+"""
 
 from typing import NamedTuple
 
@@ -104,7 +110,16 @@ def inertia_forces(
 ) -> InertiaForces:
     """Compute the forces that the motion of all bodies needs.
 
-    Eqs. (D1) to (D3) of each body, at the acceleration of its origin in space (Eq. (K14)).
+    Forces of each body along its frame's axes, moment about its origin, and forces on its modes, at
+    the acceleration a of the origin in space (Eq. (K14)).
+
+    Eq. (D1):  m a + alpha Z s - w^2 s + 2 w Z T q' + T q''                       s = S + T q
+    Eq. (D2):  (Z s) . a + alpha (I0 + 2 b.q + q.B q) + 2 w (b + B q).q' + (g + G q).q''
+    Eq. (D3):  T^T a + alpha (g + G q) - w^2 (b + B q) + 2 w G q' + q'' + D q' + Omega^2 q
+               Z = [0, -1; 1, 0]
+
+    Small deformations (linear elasticity in the frame, no geometric stiffening): valid while w is
+    far below the body's lowest eigenfrequency. No gravity.
 
     Eq. (D40):  q'' + D q' + omega^2 q      of modes with the inertia of their own motion alone
     Eq. (D6):   omega^2 q + T^T a + alpha g - w^2 b      of those of them that deflect the last body
@@ -126,6 +141,11 @@ def inertia_forces(
     Returns
     -------
     InertiaForces
+
+    References
+    ----------
+    [Shabana2013] ch. 5. Checked against a differentiated Lagrangian in
+    tests/mfbd/test_floating_frame.py.
     """
     n, k = len(bodies.mass), len(bodies.stiffness)
     rows = np.empty((4, k))

@@ -401,7 +401,9 @@ def solve_coupled(
 def mode_coupling(
     bodies: Bodies, at: ChainMotion, carrier: Carrier, by: Increments, unknowns: np.ndarray
 ) -> np.ndarray:
-    """Return the coupling of modes (Eq. (D4)), which `chain_derivative` omits, times unknowns.
+    """Return the coupling of modes, which `chain_derivative` omits, times unknowns.
+
+    Eq. (D4):  (2 w c1 + alpha c2) G - w^2 c2 B      Coriolis, Euler and centrifugal terms
 
     Parameters
     ----------

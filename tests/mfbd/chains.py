@@ -18,6 +18,7 @@ from piston_cosim.fmu_mfbd.mechanism.chain import (
     chain_of,
 )
 from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE
+from piston_cosim.fmu_mfbd.mechanism.solution import mode_coupling
 from piston_cosim.tests.verification.cases.tied import GAS as ON_BORE
 from piston_cosim.tests.verification.cases.tied import PISTON, SKIRT, tied_pin
 
@@ -171,3 +172,12 @@ def loads_of(chain, load, now, films):
 def tied(piston, mechanism=MECHANISM):
     """Return the engine of one cylinder with a tied pin, as the FMU has it."""
     return Engine(tied_pin(piston, mechanism, UNBALANCE), [PISTON], [SKIRT], [ON_BORE], {})
+
+
+def coupled(arrow, chain, own, by):
+    """Return a tangent as one matrix, with its modes coupled."""
+    whole, m = matrix_of(arrow), len(arrow.top)
+    for j, unit in enumerate(np.eye(len(whole))[m:], m):
+        product = mode_coupling(chain.bodies, own.motion, own.inertia.carrier, by, unit)
+        whole[m:, j] += product
+    return whole

@@ -6,21 +6,17 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
-    FrameMotion,
-    frame_arrow,
-    frame_force,
-    mode_coupling,
-    whole,
-)
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, Prediction
 from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
 from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
+from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK, Link, chain_of
 from piston_cosim.fmu_mfbd.mechanism.cylinder import motion_across
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_derivative
+from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
+from piston_cosim.fmu_mfbd.mechanism.loads import no_loads
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments
 from piston_cosim.fmu_mfbd.mechanism.solution import (
     arrow_product,
@@ -43,6 +39,7 @@ from piston_cosim.tests.verification.cases.tied import (
     tied_pin,
 )
 
+from .chains import coupled
 from .differences import lagrange
 
 
@@ -107,11 +104,10 @@ def test_frame_force_is_the_differentiated_lagrangian(lump):
     r, a = r * 10, a * 100
     scale = np.where(np.arange(3 + k) < 3, 1e-3, 1e-6)
     reference = lagrange(partial(kinetic_energy, points, M, modes), z, r, a, scale)
-    c, s = np.cos(z[2]), np.sin(z[2])
-    moving = FrameMotion(c * a[0] + s * a[1], -s * a[0] + c * a[1], a[2], r[2], z[3:], r[3:], a[3:])
-    own = frame_force(body, moving)
-    modal = own.modal - body.stiffness * z[3:]
-    force = np.array([c * own.x - s * own.y, s * own.x + c * own.y, own.moment, *modal])
+    chain = chain_of([Link(body, BLOCK, play=0, angle=2)], coordinates=3)
+    now, still = Motion(z, r, a), CrankMotion(0.0, 0.0, 0.0)
+    force = chain_forces(chain, no_loads(chain), now, still, FIXED).residual
+    force[3:] -= body.stiffness * z[3:]
     # round-off of the energy over changes of 1e-6: about 1e-9 of the largest term
     np.testing.assert_allclose(force, reference, atol=1e-7 * np.abs(reference).max())
 
@@ -130,35 +126,6 @@ def test_momentum_is_the_derivative_of_the_kinetic_energy(lump):
     inertia = motion_across(tied_parts(body, alone, 0.0), 0.0)
     # round-off of the differences
     np.testing.assert_allclose(arrow_product(inertia, v), expected, atol=1e-12 * energy(v))
-
-
-def test_frame_tangent_is_the_derivative(lump):
-    body = lump[3]
-    rng = np.random.default_rng(4)
-    k = len(body.stiffness)
-    base = rng.standard_normal(3 + k)
-    z, r = 1e-3 * rng.standard_normal(k), rng.standard_normal(k)
-    w, c1, c2 = 40.0, 2e-2, 3e-4
-
-    def force(step, column):
-        d = np.zeros(3 + k)
-        d[column] = step
-        a = base + d
-        moving = FrameMotion(a[0], a[1], a[2], w + c1 * d[2], z + c2 * d[3:], r + c1 * d[3:], a[3:])
-        out = frame_force(body, moving)
-        return np.array([out.x, out.y, out.moment, *out.modal])
-
-    matrix = whole(
-        frame_arrow(body, FrameMotion(base[0], base[1], base[2], w, z, r, base[3:]), c1, c2),
-        mode_coupling(body, base[2], w, c1, c2),
-    )
-    for column in range(3 + k):
-        difference = (force(1.0, column) - force(-1.0, column)) / 2
-        # the force is a polynomial of low degree: unit steps are good to the size of its cubic
-        # terms, c1 c1 c2
-        np.testing.assert_allclose(
-            matrix[:, column], difference, atol=1e-7 * np.abs(difference).max()
-        )
 
 
 def reach(n, c1, c2):
@@ -185,7 +152,7 @@ def test_mechanism_tangent_is_the_derivative(lump, mechanism):
     chain, by = tied_pin(body, mechanism, 0.0), reach(n, c1, c2)
     forces = tied_forces(chain, load, now, crank)
     slope = chain_derivative(chain, loads_of(chain, load, now, crank), now, forces, by)
-    matrix = whole(slope.arrow, mode_coupling(body, now.acceleration[1], now.velocity[1], c1, c2))
+    matrix = coupled(slope.arrow, chain, forces, by)
     right = rng.standard_normal(n)
     factors = factorise_chain(slope.arrow)
     solution = solve_coupled(chain.bodies, forces.motion, FIXED, by, factors, right)

@@ -17,7 +17,6 @@ from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
 from piston_cosim.fmu_mfbd.mechanism.solution import (
     arrow_product,
     factorise_chain,
-    mode_coupling,
     solve_coupled,
     substitute_chain,
 )
@@ -36,9 +35,9 @@ from .chains import (
     SHELL_MODES,
     SPIN_INERTIA,
     UNBALANCE,
+    coupled,
     engine,
     flexible,
-    matrix_of,
     rigid,
     springs,
     tied,
@@ -183,15 +182,6 @@ def centres(chain, at, e):
 
 def cross(a, b):
     return a[0] * b[1] - a[1] * b[0]
-
-
-def coupled(arrow, chain, own, by):
-    """Return a tangent as one matrix, with its modes coupled."""
-    whole, m = matrix_of(arrow), len(arrow.top)
-    for j, unit in enumerate(np.eye(len(whole))[m:], m):
-        product = mode_coupling(chain.bodies, own.motion, own.inertia.carrier, by, unit)
-        whole[m:, j] += product
-    return whole
 
 
 @each_that_yields

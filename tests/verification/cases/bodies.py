@@ -10,19 +10,15 @@ from typing import Any
 import numpy as np
 import scipy.linalg as la
 
+from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
-    TURN,
     FlexibleBody,
-    FrameMotion,
     Y,
-    frame_arrow,
-    frame_force,
-    mode_coupling,
-    whole,
 )
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import (
     Coefficients,
     Motion,
+    Prediction,
     coefficients,
     predict,
 )
@@ -44,6 +40,10 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK, Link, chain_of
+from piston_cosim.fmu_mfbd.mechanism.loads import no_forces
+from piston_cosim.fmu_mfbd.mechanism.motion import increments_of
+from piston_cosim.fmu_mfbd.mechanism.solution import solve_motion
 from piston_cosim.fmu_mfbd.reduction.bases import (
     Elastic,
     characteristic_constraint_modes,
@@ -352,34 +352,12 @@ def _pendulum_step(body, predicted: Motion, c: Coefficients) -> Motion:
 
     The iteration starts from the accelerations of the predicted motion.
     """
-    now = _moved(predicted, predicted.acceleration, c)
-    for _ in range(12):
-        frame = FrameMotion(
-            ax=0.0,
-            ay=0.0,
-            alpha=now.acceleration[0],
-            w=now.velocity[0],
-            q=now.position[1:],
-            dq=now.velocity[1:],
-            ddq=now.acceleration[1:],
-        )
-        force = frame_force(body, frame)
-        matrix = whole(
-            frame_arrow(body, frame, c.to_velocity, c.to_position),
-            mode_coupling(body, frame.alpha, frame.w, c.to_velocity, c.to_position),
-        )[TURN:, TURN:]
-        residual = np.append(force.moment, force.modal)
-        now = _moved(predicted, now.acceleration - np.linalg.solve(matrix, residual), c)
-    return now
-
-
-def _moved(predicted, acceleration, c):
-    """Return the predicted motion with these end accelerations."""
-    return Motion(
-        predicted.position + c.to_position * acceleration,
-        predicted.velocity + c.to_velocity * acceleration,
-        acceleration,
-    )
+    chain = chain_of([Link(body, BLOCK, angle=0)], coordinates=1)
+    start = Prediction(predicted.position, predicted.velocity, np.zeros(len(predicted.position)))
+    by = increments_of(c, len(start.position))
+    still = CrankMotion(0.0, 0.0, 0.0)
+    guess = predicted.acceleration
+    return solve_motion(chain, no_forces(chain), start, guess, by, still, FIXED).now
 
 
 def energy(body: FlexibleBody, now: Motion) -> float:
