@@ -182,7 +182,7 @@ CASES = {
     ),
     "floating pin in a flexible block that moves, free crank": lambda folder: flexible(
         folder,
-        dict(crank_free=1, crank_inertia=5e-3, crank_mass=1.0),
+        dict(crank_free=1, crank_inertia=5e-3),
         piston=SHEET,
         mounted=True,
         floating_pin={"grid": [24, 4], "boss_length": "8 mm", "small_end_length": "10 mm"},
