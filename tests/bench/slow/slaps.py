@@ -4,12 +4,14 @@ python tests/bench/slow/slaps.py CASE VARIANT BEGIN STOP [KEY=VALUE ...] RUN ...
 
 A run is STEP,TOLERANCE,RESOLUTION: the macro step [deg], the tolerance of the first wire, which is
 the film thickness [nm], and `impact_resolution` [nm]. 1e9 nm turns the parts off. Distances are
-those of the curves at each 2 deg from BEGIN to STOP [deg] over their range, rms and largest.
+those of the curves at each 2 deg from BEGIN to STOP [deg] over their range, rms and largest. Values
+of KEY are in JSON.
 
 python tests/bench/slow/slaps.py data_sheet rigid 0 720 1,10,1e9 1,10,10 0.25,1,10
 """
 
 import sys
+from json import loads
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -51,7 +53,9 @@ def curves_of(case, variant, begin, stop, changes, run):
 
 def main(case, variant, begin, stop, *rest):
     """Print the counts of each run, then its distances from the last one."""
-    changes = dict(one.split("=", 1) for one in rest if "=" in one)
+    changes = {
+        key: loads(value) for key, value in (one.split("=", 1) for one in rest if "=" in one)
+    }
     runs = [one for one in rest if "=" not in one]
     print("run", *COUNTS, "energy_created_share_max")
     where = case, variant, float(begin), float(stop), changes
