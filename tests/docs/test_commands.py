@@ -27,6 +27,7 @@ COMMAND = re.compile(r"(?:^|[ /])piston-cosim (\S.*)")
 SLOW = (
     *("run numerical_example*", "run fired_motorcycle*", "run ring_pack", "run grooved_skirt*"),
     *("run floating_pin*", "run yielding_bosses*", "run crank_bearings*", "run journal_bearing*"),
+    *("run whole_engine*", "run models/whole_engine/*"),
     *("run twin *", "run flexible_twin*", "run elastic_tube", "run engine.ssp"),
     *("run data_sheet --set native=true", "run data_sheet * --bodies *", "run data_sheet * jfo *"),
     *("sweep numerical_example *", "sweep fired_motorcycle *", "sweep data_sheet *"),

@@ -14,6 +14,7 @@ from .runs import coarse, pin_case
 
 FLOATING_PIN, CRANK_BEARINGS = find_case("floating_pin"), find_case("crank_bearings")
 YIELDING, FLEXIBLE_TWIN = find_case("yielding_bosses"), find_case("flexible_twin")
+WHOLE = find_case("whole_engine")
 BUILD, PARAMETERS = "participants.bodies.build", "participants.bodies.parameters"
 PIN, SPACE = f"{BUILD}.floating_pin", f"{BUILD}.motion_in_space"
 BEFORE_FIRING = (f"{PARAMETERS}.start_crank_angle", "-40 deg")
@@ -56,6 +57,16 @@ def yielding(*changes):
     given = (BEFORE_FIRING, *few, *changes)
     tree = pin_case(YIELDING, PINS, *given, pin=(48, 4), stop="80 deg")
     return recorded(tree, "left_film.pressure", "small_end_film.pressure")
+
+
+def whole_engine(*changes):
+    """Return the tree of the whole engine with few modes."""
+    pin = {"boss_length": "16 mm", "small_end_length": "20 mm", "boss_modes": 24, "pin_shapes": 3}
+    eye = EYE | {"mesh": "../yielding_bosses/small_end.msh.xz", "modes": 20}
+    few = [(f"{BUILD}.{body}.modes", modes) for body, modes in (("piston", 50), ("block", 12))]
+    few += [(f"{BUILD}.{name}.shell.modes", 12) for name in ("big_end", "main_bearing")]
+    few += [(PIN, pin | {"small_end": eye}), *changes]
+    return pin_case(WHOLE, BEARINGS, *few, stop="20 deg")
 
 
 def tied(*changes):
@@ -101,6 +112,7 @@ RUNS = {
     "tied_pin": lambda: (DATA_SHEET, tied(BEFORE_FIRING, ("time.stop", "80 deg"))),
     "crank_bearings": lambda: (CRANK_BEARINGS, small_crank(stop="400 deg")),
     "yielding_bosses": lambda: (YIELDING, yielding()),
+    "whole_engine": lambda: (WHOLE, whole_engine(BEFORE_FIRING, ("time.stop", "80 deg"))),
     "rigid_bosses": lambda: (
         YIELDING,
         yielding((f"{BUILD}.piston.modes", 0), (f"{PIN}.boss_modes", 0)),

@@ -47,6 +47,7 @@ slow = pytest.mark.slow
         ("crank_bearings", 3.5),
         ("elastic_eye", 4.0),
         pytest.param("yielding_bosses", 4.0, marks=slow),
+        pytest.param("whole_engine", 3.5, marks=slow),
         ("piston_in_space", np.inf),
         ("two_films", np.inf),
         pytest.param("four_films", np.inf, marks=slow),

@@ -211,7 +211,8 @@ def test_a_film_fits_every_shipped_case_or_is_rejected_before_a_body_is_reduced(
     shape = r"shape \(40, 19\), got \(12, 10\); build the FMU on the grid"
     pin = ["left_film", "right_film", "small_end_film"]
     bearings = {"floating_pin": pin, "yielding_bosses": pin}
-    bearings["crank_bearings"] = [*pin, "big_end_film", "main_film"]
+    six = [*pin, "big_end_film", "main_film"]
+    bearings |= dict.fromkeys(["crank_bearings", "whole_engine"], six)
     rejected = {(case, film): around for case, films in bearings.items() for film in films}
     rejected |= {("grooved_skirt", film): shape for film in ("lower_film", "upper_film")}
     fits = 0
