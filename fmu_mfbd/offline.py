@@ -229,7 +229,8 @@ def _stress_at(anatomy: Anatomy, nodes: np.ndarray) -> np.ndarray | None:
         return None
     rows = np.isin(anatomy.tets, nodes).any(axis=1)
     young, poisson = (
-        one[rows] if np.ndim(one) else one for one in (anatomy.young, anatomy.poisson)
+        one[rows] if isinstance(one, np.ndarray) and one.ndim else one
+        for one in (anatomy.young, anatomy.poisson)
     )
     used, tets = np.unique(anatomy.tets[rows], return_inverse=True)
     tets = tets.reshape(-1, anatomy.tets.shape[1])

@@ -298,15 +298,18 @@ def _of_mesh(part: str, sized: BodyPreview) -> list[Figure]:
 
 def _of_materials(part: str, mesh: Mesh) -> list[Figure]:
     """Return the mass of each set of elements with its material, if there are several."""
-    figures = []
+    figures: list[Figure] = []
     material = mesh.material
-    for name in material.names() if material else ():
+    if material is None:
+        return figures
+    density_of = np.asarray(material.density)
+    for name in material.names():
         rows = np.flatnonzero(material.name == name)
-        young, poisson, density, expansion = (one[rows[0]] for one in material[:4])
+        young, poisson, density, expansion = (np.asarray(one)[rows[0]] for one in material[:4])
         source = f"{len(rows)} elements, {density:.4g} kg/m3, {1e-9 * young:.4g} GPa, {poisson:.3g}"
         if np.isfinite(expansion):
             source += f", {1e6 * expansion:.3g}e-6 1/K"
-        mass = rigid_mass(mesh.points, mesh.tets[rows], material.density[rows])[0, 0]
+        mass = rigid_mass(mesh.points, mesh.tets[rows], density_of[rows])[0, 0]
         figures.append(Figure(part, f"mass_of_{name}", float(mass), "kg", source))
     return figures
 

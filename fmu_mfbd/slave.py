@@ -218,6 +218,7 @@ class Mfbd(FieldSlave):
 
     def _inputs(self, values: dict[str, Any]) -> Inputs:
         pressure, friction = (self._stacked(values, name) for name in FORCES)
+        skirt, bore = (float(values.get(name, REFERENCE)) for name in WALL_LEVELS.values())
         return Inputs(
             values["crank_speed"],
             values["gas_pressure"],
@@ -230,7 +231,8 @@ class Mfbd(FieldSlave):
             np.asarray(values.get(BORE, np.zeros((0, 0)))),
             float(values["load_torque"]),
             float(values["crankcase_pressure"]),
-            *(float(values.get(name, REFERENCE)) for name in WALL_LEVELS.values()),
+            skirt,
+            bore,
             *(self._wall_field(values, name) for name in WALL_FIELDS.values()),
         )
 

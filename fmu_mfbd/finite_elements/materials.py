@@ -192,8 +192,10 @@ def material_of(
         raise MeshFault(faults)
     kinds = np.unique(np.nan_to_num(np.stack(list(table.values())), nan=-1.0), axis=1)
     if kinds.shape[1] == 1:
-        return Material(**{key: float(value[0]) for key, value in table.items()})
-    return Material(**table, name=name.astype(str))
+        young, poisson, density, expansion = (float(table[key][0]) for key in Material._fields[:-1])
+        return Material(young, poisson, density, expansion)
+    each = (table[key] for key in Material._fields[:-1])
+    return Material(*each, name=name.astype(str))
 
 
 def _faults(name, table, where, length, needed):

@@ -225,7 +225,7 @@ def on_mesh(
         points = to_body_axes(given.points * placed.length, placed.axes, placed.origin)
         distance, row = KDTree(points).query(mesh.points)
         near = distance <= APART * size
-        out[near] = given.values[row[near]]
+        out[near] = given.values[np.asarray(row)[near]]
         spans = [
             ", ".join(f"{1e3 * one:.4g}" for one in np.ptp(p, axis=0))
             for p in (points, mesh.points)

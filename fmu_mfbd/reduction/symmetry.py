@@ -43,10 +43,10 @@ def is_mirrored(mesh: Mesh, axis: int) -> bool:
     image = mirror_image(mesh.points, axis)
     if image is None:
         return False
-    names = mesh.material.names() if mesh.material else []
-    for name in names:
+    sets = mesh.material.name if mesh.material else np.empty(0, dtype=str)
+    for name in np.unique(sets):
         own = np.zeros(len(mesh.points), dtype=bool)
-        own[mesh.tets[mesh.material.name == name]] = True
+        own[mesh.tets[sets == name]] = True
         if (own[image] != own).any():
             return False
     return True

@@ -59,7 +59,9 @@ def overrides(case: Any) -> Iterator[Override]:
     """Yield the optional inputs that the films of a case do not take from their bodies."""
     for name, film in case.participants.items():
         other = interface(case.wires, name, film.role) if film.role in contract() else None
-        for variable, terms in contract()[film.role].optional_wires.items() if other else ():
+        if other is None:
+            continue
+        for variable, terms in contract()[film.role].optional_wires.items():
             sources = [w.source for w in case.wires if base_of(w.target) == f"{name}.{variable}"]
             if not any(port_of(source)[0] == other.owner for source in sources):
                 is_offered = terms["option"] in case.participants[other.owner].build

@@ -184,7 +184,7 @@ class Stepper:
         self.method = method if self.interface.size or self.interface.discrete else Explicit()
         self.halvings = halvings
         self.observer = observer or Observer()
-        self.judge: Judge = judge or (lambda *_: None)
+        self.judge: Judge = judge or _accept_all
         self.control = control
         self.counters = Counters()
         self.failures: list[str] = []
@@ -302,7 +302,7 @@ class Stepper:
                 if depth == most or created and done:
                     self._undo(attempts, past, part.failure)
                     self.counters.steps_without_parts += 1
-                    self.warn(".".join(self.limits[0]), WITHOUT_PARTS, time)
+                    self.warn(".".join(next(iter(self.limits))), WITHOUT_PARTS, time)
                     self.counters.energy_refused_steps += created
                     return False
                 self._note(part.begin, length, part.failure)
@@ -471,8 +471,9 @@ class Stepper:
 
     def _note(self, time: float, step: float, failure: Exception, is_final: bool = False) -> None:
         """Note a step that failed, and that is halved if the failure is not final."""
-        is_explained = is_final and isinstance(failure, NotConverged)
-        said = failure.explained() if is_explained else str(failure)
+        said = str(failure)
+        if is_final and isinstance(failure, NotConverged):
+            said = failure.explained()
         self.failures.append(f"t = {time:.6g} s, step {step:.3g} s: {said}")
         self.predictor.clear()
         self.memory = self.method.memory()
@@ -488,3 +489,7 @@ class Stepper:
             guess = start + (guess - start)
         macro_step = MacroStep(self.interface, time, step, saved)
         return solve_settled(self.method, macro_step, guess, self.memory)
+
+
+def _accept_all(time: float, solution: Solution, is_first: bool, is_last: bool) -> None:
+    """Accept every part of a macro step."""
