@@ -502,8 +502,8 @@ def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
         )
     if piston.basis in ("craig_bampton", "characteristic_constraint_modes"):
         faults.append(
-            f"piston.basis: expected a basis of film pressures with floating_pin, got "
-            f"{piston.basis!r}; its modes miss the deflection of the bosses"
+            "piston.basis: expected 'smooth_pressure_modes', 'pressure_modes' or 'trained' with "
+            f"floating_pin, got {piston.basis!r}; its modes miss the deflection of the bosses"
         )
     return faults
 

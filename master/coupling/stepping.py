@@ -197,6 +197,7 @@ class Stepper:
         self._was_not_finite = False
         redone = all(getattr(one, "can_redo", True) for one in system.participants.values())
         self.limits = system.limits if redone and not isinstance(self.method, Explicit) else ()
+        self._limits_control = bool(self.limits) and hasattr(control, "resolves")
         self.predictor = Predictor(order)
         self.predictor.keep(begin, self.interface.read())
 
@@ -257,7 +258,8 @@ class Stepper:
             try:
                 solution = self._converge(begin, length, saved)
                 self.judge(begin + length, solution, True, True)
-                self._accept(begin, length, solution)
+                self.predictor.keep(begin + length, solution.x)
+                self._accept(begin, length, solution, self.interface.trail)
             except Ticked as tick:
                 self._roll_back(begin, length, saved, tick)
                 return self._step(begin, tick.time - begin, halvings - depth)
@@ -265,7 +267,9 @@ class Stepper:
                 self._give_up(begin, length, saved, failure, depth < halvings)
                 done, depth = 2 * done, depth + 1
             else:
-                done, depth = joined(done + 1, depth)
+                done += 1
+                if depth > 0:
+                    done, depth = joined(done, depth)
             finally:
                 self._free(saved)
         return time + step
@@ -332,18 +336,17 @@ class Stepper:
 
     def _report(self, attempts: Sequence[Attempt]) -> None:
         """Report all attempts at a macro step; the observer finds the state after each part."""
-        self._was_not_finite = False
         last = self._save() if sum(one.failure is None for one in attempts) > 1 else {}
         ends = [one.saved for one in attempts[1:]] + [last]
         try:
             for one, end in zip(attempts, ends):
-                self.observer.attempted(one.begin, one.length, one.trail, one.failure)
-                if one.failure is not None:
-                    self.counters.residual_evaluations += len(one.trail)
-                elif one.solution is not None:
+                if one.solution is not None and one.failure is None:
                     if last:
                         self._restore(end)
-                    self._count(one.begin, one.length, one.solution)
+                    self._accept(one.begin, one.length, one.solution, one.trail)
+                else:
+                    self.observer.attempted(one.begin, one.length, one.trail, one.failure)
+                    self.counters.residual_evaluations += len(one.trail)
         finally:
             self._free(last)
 
@@ -382,8 +385,8 @@ class Stepper:
         saved = self._save()
         try:
             solution = self._converge(time, step, saved)
-            longest = self._longest_step()
-            if not control.resolves(step, longest):
+            longest = self._longest_step() if self._limits_control else inf
+            if self._limits_control and not control.resolves(step, longest):
                 reason = Unresolved(f"the motion needs steps of {longest:.3g} s")
                 self.counters.repeated_steps += 1
             elif not control.accepts(self.predictor.past[-1], time, step, solution):
@@ -391,8 +394,10 @@ class Stepper:
                 self.counters.rejected_steps += 1
             else:
                 self.judge(time + step, solution, True, True)
-                self._accept(time, step, solution)
-                control.limit(longest)
+                self.predictor.keep(time + step, solution.x)
+                self._accept(time, step, solution, self.interface.trail)
+                if self._limits_control:
+                    control.limit(longest)
                 return True
             self._roll_back(time, step, saved, reason)
         except Ticked as tick:
@@ -422,14 +427,12 @@ class Stepper:
             self.interface.participants[name].free(state)
         self.interface.spent["transport"] += perf_counter() - begun
 
-    def _accept(self, time: float, step: float, solution: Solution) -> None:
-        self.observer.attempted(time, step, self.interface.trail, None)
-        self._was_not_finite = False
-        self.predictor.keep(time + step, solution.x)
-        self._count(time, step, solution)
-
-    def _count(self, time: float, step: float, solution: Solution) -> None:
+    def _accept(
+        self, time: float, step: float, solution: Solution, trail: list[list[float]]
+    ) -> None:
         """Count an accepted step, and report it to the observer."""
+        self.observer.attempted(time, step, trail, None)
+        self._was_not_finite = False
         self.counters.accept(solution)
         for name, text in solution.messages:
             self.warn(name, text, time)

@@ -143,7 +143,7 @@ REFUSED = {
         ([(f"{BUILD}.piston.modes", 0)], "boss_modes: expected 0 for a rigid piston", 1),
         (
             [(f"{BUILD}.piston.basis", "craig_bampton")],
-            "expected 'smooth_pressure_modes' or 'pressure_modes'",
+            "expected 'smooth_pressure_modes', 'pressure_modes' or 'trained'",
             1,
         ),
         ([(f"{PIN}.boss_length", "30 mm"), *LONG], "have no bore under them", 2),
