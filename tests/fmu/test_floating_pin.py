@@ -209,9 +209,10 @@ def test_a_pin_that_bends_bears_at_the_edges(results_of):
     np.testing.assert_allclose(right, left[::-1], rtol=1e-3)
     np.testing.assert_allclose(eye, eye[::-1], rtol=1e-3)
     assert eye[0] < eye[1]
-    # up in the middle, and no tilt where all is symmetric: of 1 mrad that the play would allow
+    # up in the middle, and no tilt where all is symmetric: the play would allow 1 mrad, and the
+    # coupling leaves 10 nm of the films in the bosses, which are 60 mm apart
     assert bending.series("bodies.pin_bending_y").values.max() > 1e-6
-    assert np.abs(bending.series("bodies.pin_tilt_y").values).max() < 1e-8
+    assert np.abs(bending.series("bodies.pin_tilt_y").values).max() < 10e-9 / 60e-3
 
 
 def test_a_pin_tilts_towards_the_thinner_oil(tmp_path):
