@@ -18,7 +18,7 @@ SWEEPS = 30
 def symmetric_eigen(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return eigenvalues, ascending, and eigenvectors of a symmetric matrix, by Jacobi's method.
 
-    Eq. (J52):  t = sign(d)/(|d| + (d^2 + 1)^1/2),   d = (a_qq - a_pp)/(2 a_pq)
+    Eq. (J54):  t = sign(d)/(|d| + (d^2 + 1)^1/2),   d = (a_qq - a_pp)/(2 a_pq)
                 t the tangent of the rotation that makes a_pq zero
 
     Parameters
@@ -45,7 +45,7 @@ def symmetric_eigen(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
                     continue
                 rotations += 1
                 d = (a[q, q] - a[p, p]) / (2 * a[p, q])
-                t = (1.0 if d >= 0.0 else -1.0) / (abs(d) + np.sqrt(d * d + 1))  # Eq. (J52)
+                t = (1.0 if d >= 0.0 else -1.0) / (abs(d) + np.sqrt(d * d + 1))  # Eq. (J54)
                 c = 1 / np.sqrt(t * t + 1)
                 _rotate(a, turned, p, q, c, t * c)
         if rotations == 0:

@@ -165,6 +165,7 @@ def free_beam(pin: HollowPin, n: int) -> Beam:
     # the first two are shift and tilt, at rest
     out = Beam(pin, np.zeros(n), np.zeros((SIZE, n)))
     if n > 0:
+        # Eq. (J30)
         out.polynomials[1, 0] = 1 / np.sqrt(pin.mass / 3 + 4 * of.turning / length)
     for j in range(1, n):
         out.omega[j] = np.sqrt(square[j + 1])
@@ -186,6 +187,7 @@ def _stiffness(of, length, norm):
         shear, bending = np.sqrt(of.shear) * weight, np.sqrt(of.bending) * weight
         for k in range(SIZE):
             value, rate = VALUE[q, k] * norm[k], RATE[q, k] * norm[k] * 2 / length
+            # Eq. (J29)
             shears[q, k] = shear * rate / np.sqrt(of.mass)
             shears[q, SIZE + k] = -shear * value / np.sqrt(of.turning)
             turns[q, SIZE + k] = bending * rate / np.sqrt(of.turning)

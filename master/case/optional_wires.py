@@ -23,10 +23,11 @@ def with_optional_wires(tree: Tree) -> Tree:
     tables = dict(tables)
     added: list[Tree] = []
     for name, film in tables.items():
-        if not isinstance(film, dict) or film.get("role") not in contract():
+        role = film.get("role") if isinstance(film, dict) else None
+        if not isinstance(role, str) or role not in contract():
             continue
-        other = interface(wires, name, film["role"])
-        for variable, terms in contract()[film["role"]].optional_wires.items():
+        other = interface(wires, name, role)
+        for variable, terms in contract()[role].optional_wires.items():
             port = f"{name}.{variable}"
             if (
                 other

@@ -4,6 +4,7 @@ import pytest
 from piston_cosim.fmu_ehd.balance import reynolds
 from piston_cosim.fmu_ehd.balance.reynolds import Filling
 from piston_cosim.fmu_ehd.balance.storage import EulerStep
+from piston_cosim.fmu_ehd.common.faults import NotConverged
 from piston_cosim.fmu_ehd.common.grid import Edges, Entrainment, in_plenty
 from piston_cosim.fmu_ehd.laws import cavitation
 from piston_cosim.fmu_ehd.parameters import Parameters
@@ -62,7 +63,7 @@ def test_switching_singly_finds_the_same_film():
 def test_a_solution_that_is_not_finite_is_refused():
     grid, edges, film, entrainment, content = problem(True)
     flow = flow_film(film, 1e-320)
-    with pytest.raises(cavitation.NotConverged):
+    with pytest.raises(NotConverged):
         FilmStep(grid).solve(flow, entrainment, edges, EulerStep(content, 1e-4), content >= film)
 
 

@@ -151,7 +151,7 @@ def test_tables_that_a_case_may_have_are_made(tmp_path):
     "key, message",
     [
         ("participants.bodies.parameters.radial_clearence", "radial_clearence: expected one of"),
-        ("participants.bodies.build.piston.mode", "mode: expected one of mesh_unit,"),
+        ("participants.bodies.build.piston.mode", "mode: expected one of density,"),
     ],
 )
 def test_what_is_wrong_shows_before_anything_is_reduced(key, message):

@@ -142,7 +142,7 @@ SAID = {
     f"{SHEET} modes=3": "modes: expected a dotted path, got a name",
     f"{SHEET} participants.bodie.role=x": "role: expected a table participants.bodie in",
     f"{SHEET} participants.bodies.parameters.barel=1": "got unknown parameter or input 'barel'",
-    f"{SHEET} participants.bodies.build.piston.mods=3": "mods: expected one of mesh_unit, axes,",
+    f"{SHEET} participants.bodies.build.piston.mods=3": "mods: expected one of density, young,",
     f"{SHEET} participants.ehd.build.oill=x": "oill: expected one of grid, surface,",
     f"{SHEET} coupling.metod=newton": "metod: expected one of method,",
     f"{SHEET} wires.7.tolerance=1": "expected a table wires.7 in the case, got nothing",
@@ -249,7 +249,7 @@ SAID = {
 """Calls, and a part of what is said of them."""
 WRONG_CASES = {
     ("223 mm", "0,223 m"): "with a decimal point, got '0,223 m'; write for example '0.223 m'",
-    ('"223 mm"', "223 mm"): "line 42: expected KEY = VALUE with texts in quotes, got 'rod_length",
+    ('"223 mm"', "223 mm"): "line 46: expected KEY = VALUE with texts in quotes, got 'rod_length",
     ("50 um", "50 mm"): "radial_clearance: expected 1e-06 to 0.001 m, got 50 mm",
     ("50 um", "-50 um"): "radial_clearance: expected 1e-06 to 0.001 m, got -50 um",
     ("5.6 mPa s", "5.6 cSt"): "viscosity: expected a quantity in Pa.s, got '5.6 cSt'",
@@ -275,7 +275,7 @@ WRONG_CASES = {
         'file = "motion.png"',
     ): "different files, got 'motion.png' twice",
     ('"mrad"', '"mm"'): "units.bodies.rocking_angle: expected a unit of rad, got 'mm'",
-    ("[record]", "[time]"): "line 69: expected each key and table once, got '[time]' a second time",
+    ("[record]", "[time]"): "line 73: expected each key and table once, got '[time]' a second time",
     (
         "ovality = ",
         "barrel = ",
