@@ -145,7 +145,8 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     shapes = _shapes(prepared, cold, piston, block, chosen, given)
     figures += _of_film(build, shapes)
     if walls := shapes.walls:
-        figures += figures_of_walls(walls, shapes.pin_height, shapes.height, shapes.bore_height)
+        ends = piston.body.skirt_lower, piston.body.skirt_upper
+        figures += figures_of_walls(walls, shapes.pin_height, ends, shapes.bore_height)
         messages += messages_on_walls(prepared, chosen, given, walls)
     messages += messages_on_shapes(build, shapes.walls is not None)
     messages += messages_on_profiles(build, tables, piston, block)

@@ -25,6 +25,8 @@ class WarmWalls(NamedTuple):
     ----------
     skirt, bore : ndarray, shapes (c, a), (c, s)
         On the film grid, and at the heights of the bore's table [K].
+    skirt_edges : ndarray, shape (c, 2)
+        At the lower and upper edge; of a field input, in the first and last row [K].
     skirt_growth, bore_growth : ndarray
         Radial growth there [m], 0 for a wall that does not grow.
     free : Radii
@@ -33,6 +35,7 @@ class WarmWalls(NamedTuple):
 
     skirt: np.ndarray
     bore: np.ndarray
+    skirt_edges: np.ndarray
     skirt_growth: np.ndarray
     bore_growth: np.ndarray
     free: Radii
@@ -79,6 +82,8 @@ def warm_walls(
 
     skirt = field("skirt", height, *ends)
     bore = field("bore", heights, float(heights[0]), float(heights[-1]))
+    varies = walls is not None and walls.skirt.varies
+    edges = skirt[:, [0, -1]] if varies else field("skirt", np.array(ends), *ends)
     p = settings_of(chosen)
     hot = prepared.piston.is_hot, prepared.block.is_hot
     cold = Radii(*(0.0 if one else radius for one, radius in zip(hot, radii)))
@@ -87,6 +92,7 @@ def warm_walls(
     return WarmWalls(
         skirt,
         bore,
+        edges,
         wall_growth(p.piston_expansion, growing.skirt, skirt - above),
         wall_growth(p.bore_expansion, growing.bore, bore - above),
         radii,
@@ -94,24 +100,26 @@ def warm_walls(
 
 
 def figures_of_walls(
-    walls: WarmWalls, pin_height: np.ndarray, height: np.ndarray, bore_height: np.ndarray
+    walls: WarmWalls, pin_height: np.ndarray, ends: tuple[float, float], bore_height: np.ndarray
 ) -> list[Figure]:
     """Return the temperatures of both walls and of the oil at their edges, means around.
 
-    Those of the oil are means over the stroke, at positions `pin_height` of the pin [m].
+    Those of the oil are means over the stroke, at positions `pin_height` of the pin [m]. `ends` are
+    the heights of the edges of the skirt [m].
     """
-    inner, outer = walls.skirt.mean(axis=0), walls.bore.mean(axis=0)
-    ends = {
-        "skirt_temperature": (inner[0], inner[-1]),
+    inner, outer = walls.skirt_edges.mean(axis=0), walls.bore.mean(axis=0)
+    oil = [
+        (own + np.interp(pin_height + edge, bore_height, outer).mean()) / 2
+        for own, edge in zip(inner, ends)
+    ]
+    figures = {
+        "skirt_temperature": inner,
         "bore_temperature": (outer[0], outer[-1]),
-        "oil_temperature": tuple(
-            (inner[k] + np.interp(pin_height + height[k], bore_height, outer).mean()) / 2
-            for k in (0, -1)
-        ),
+        "oil_temperature": oil,
     }
     return [
         Figure("walls", f"{name}_{edge}_edge", float(value), "K")
-        for name, pair in ends.items()
+        for name, pair in figures.items()
         for edge, value in zip(("lower", "upper"), pair)
     ]
 
@@ -124,11 +132,11 @@ def messages_on_walls(
     fields = {"skirt": walls.skirt, "bore": walls.bore}
     low, high = WARMEST
     for name, field in fields.items():
-        level = WALL_LEVELS[name]
-        if prepared.temperatures and level in given:
+        twice = {WALL_LEVELS[name], f"{name}_temperature_rise"} & given.keys()
+        for key in sorted(twice) if prepared.temperatures else ():
             text = (
-                f"parameters.{level}: expected nothing with build.temperatures.{name}, got "
-                f"{given[level]:g} K; give the temperature once"
+                f"parameters.{key}: expected nothing with build.temperatures.{name}, got "
+                f"{given[key]:g} K; give the temperature once"
             )
             out.append(Message("fault", text))
         if prepared.temperatures and not (low <= field.min() and field.max() <= high):

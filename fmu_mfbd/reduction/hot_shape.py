@@ -34,6 +34,9 @@ ZERO = {"degC": 273.15, "K": 0.0}
 """Zero of the units of temperature [K]."""
 COLDEST, HOTTEST = 200.0, 1500.0
 """Range of temperatures, our own choice [K]."""
+SHARED = 0.2
+"""Least length that table and body share, by the longer of both, our own choice: wrong units of
+length differ by a factor of 10 or more, inches and centimetres excepted."""
 OF_MODES = {
     *("profiles", "orders", "reduced", "train_on", "pin_offset", "modes", "basis"),
     *("modes_from", "symmetric_film", "tie", "boss_length", "density"),
@@ -127,11 +130,14 @@ def _temperatures(mesh: Mesh, options: Piston | Block, field: TemperatureField) 
     MeshFault
         If nodes have none, or temperatures are out of range.
     """
+    where = f"{_name(options)}.temperature_field: {field.table or field.file}"
     if field.table:
-        values = on_table(read_table(Path(field.table), field), mesh.points)
+        table = read_table(Path(field.table), field)
+        if faults := _places(table, mesh.points):
+            raise MeshFault([f"{where}: {fault}" for fault in faults])
+        values = on_table(table, mesh.points)
     else:
         assert field.file
-        where = f"{_name(options)}.temperature_field: {field.file}"
         placed = Placement(field.length_unit, options.axes, options.origin)
         given = read_node_values(field.file, TEMPERATURE, field.field)
         nodes = np.arange(len(mesh.points))
@@ -139,11 +145,29 @@ def _temperatures(mesh: Mesh, options: Piston | Block, field: TemperatureField) 
     low, high = float(values.min()), float(values.max())
     if low < COLDEST or high > HOTTEST:
         expected = f"expected {COLDEST:g} to {HOTTEST:g} K, got {low:.4g} to {high:.4g} K"
-        raise MeshFault(
-            f"{_name(options)}.temperature_field: {field.table or field.file}: {expected}; check "
-            "temperature_unit"
-        )
+        raise MeshFault(f"{where}: {expected}; check temperature_unit")
     return values
+
+
+def _places(table: Table, points: np.ndarray) -> list[str]:
+    """Return a sentence if the radii or the heights of a table are not those of the body.
+
+    A line of one value is constant in its direction.
+    """
+    x, y, z = points.T
+    faults = []
+    for name, line, value in (
+        ("radii", table.radius, np.hypot(x, z)),
+        ("heights", table.height, y),
+    ):
+        low, high = float(value.min()), float(value.max())
+        shared = min(line[-1], high) - max(line[0], low)
+        if line.size > 1 and shared < SHARED * max(line[-1] - line[0], high - low):
+            faults.append(
+                f"expected {name} that cover {1e3 * low:.4g} to {1e3 * high:.4g} mm, those of the "
+                f"body, got {1e3 * line[0]:.4g} to {1e3 * line[-1]:.4g} mm; check length_unit"
+            )
+    return faults
 
 
 def read_table(path: Path, field: TemperatureField) -> Table:

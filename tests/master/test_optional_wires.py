@@ -107,10 +107,20 @@ def test_check_prints_where_values_contradict():
     assert "skirt_growth_upper = 30 \N{MICRO SIGN}m: replace the free growth" in line
 
 
-def test_a_temperature_that_is_given_twice_is_a_fault():
-    twice = "participants.bodies.parameters.piston_temperature", "400 K"
+def test_check_prints_the_temperatures_of_the_edges():
+    """Not those of the first and last row of cells, which are inside."""
+    edges = {"skirt": ["388.15 K", "413.15 K"], "bore": "393.15 K"}
+    found = check("data_sheet", [(TEMPERATURES, edges), ("radial_clearance", "150 um")])
+    for edge, skirt in (("lower", 388.15), ("upper", 413.15)):
+        value = found.figure(f"bodies.skirt_temperature_{edge}_edge").value
+        assert value == pytest.approx(skirt, rel=1e-12)
+        value = found.figure(f"bodies.oil_temperature_{edge}_edge").value
+        assert value == pytest.approx((skirt + 393.15) / 2, rel=1e-12)
+
+
+@pytest.mark.parametrize("key", ["piston_temperature", "skirt_temperature_rise"])
+def test_a_temperature_that_is_given_twice_is_a_fault(key):
+    twice = f"participants.bodies.parameters.{key}", "250 K"
     found = check("data_sheet", [(TEMPERATURES, WALLS), twice])
-    text = (
-        "parameters.piston_temperature: expected nothing with build.temperatures.skirt, got 400 K"
-    )
+    text = f"parameters.{key}: expected nothing with build.temperatures.skirt, got 250 K"
     assert any(text in line for line in found.faults), found.faults

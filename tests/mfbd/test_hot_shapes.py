@@ -400,6 +400,21 @@ def test_bad_input_names_every_fault(coarse, kept, tmp_path):
         prepare(table, folder, quiet)
 
 
+@pytest.mark.parametrize("unit", ["1 m", "0.01 mm"])
+def test_table_of_another_length_unit_is_rejected(unit, coarse, tmp_path):
+    """Its values would be constant over the body."""
+    folder, table = coarse
+    path = tmp_path / "t.csv"
+    path.write_text("height,0,20\n-15,140,130\n15,200,190\n")
+    field = {"table": str(path), "length_unit": unit, "temperature_unit": "degC"}
+    own = {"mesh": str(folder / "piston.msh"), "expansion": "21e-6 1/K", "temperature_field": field}
+    with pytest.raises(MeshFault) as raised:
+        hot_shape(Piston(**table["piston"] | own), (16, 12), quiet)
+    for fault, name in zip(raised.value.faults, ("radii", "heights"), strict=True):
+        assert fault.startswith(f"piston.temperature_field: {path}: expected {name} that cover ")
+        assert fault.endswith("check length_unit")
+
+
 def test_options_that_exclude_each_other():
     sheet = {"rigid": {"radius": "40 mm"}, "bore_lower": "0 mm", "bore_upper": "1 mm"}
     shape = {"file": "u.csv", "length_unit": "1 mm"}
