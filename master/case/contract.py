@@ -46,6 +46,7 @@ class Role:
     grids: dict[str, str] = field(default_factory=dict)
     build: dict[str, str] = field(default_factory=dict)
     repeats: tuple[str, ...] = ()
+    records: tuple[str, ...] = ()
     turning: tuple[str, ...] = ()
     power: str | None = None
     energy_size: str | None = None

@@ -431,13 +431,13 @@ def _lister(participant, names):
 def recorded_ports(case, participants):
     """Return the recorded fields of a run: those of the case, and those that define the state.
 
-    The latter are modal coordinates and rates: the `repeats` of a participant's role that have
-    one index, about 60 numbers per instant.
+    The latter are coordinates and rates of modes and bearings: the `repeats` and `records` of a
+    participant's role that have one index, about 60 numbers per instant.
     """
     ports = list(case.record.fields)
     for name, table in case.participants.items():
         terms = contract().get(table.role or "")
-        for variable in terms.repeats if terms else ():
+        for variable in (*terms.repeats, *terms.records) if terms else ():
             field = participants[name].fields.get(variable)
             port = f"{name}.{variable}"
             if field is not None and len(field.shape) == 1 and port not in ports:

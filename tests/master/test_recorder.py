@@ -28,12 +28,17 @@ def participant(**shapes):
 
 
 def test_rows_of_numbers_that_make_a_state_are_always_recorded():
-    """The modal coordinates and rates of bodies are always recorded, each once.
+    """The coordinates and rates of modes and bearings are always recorded, each once.
 
     Scalars are recorded anyway; of a film only the fields of the case are recorded.
     """
     participants = {
-        "bodies": participant(lateral_velocity=(), modal_coordinate=(60,), modal_velocity=(60,)),
+        "bodies": participant(
+            lateral_velocity=(),
+            modal_coordinate=(60,),
+            modal_velocity=(60,),
+            bearing_coordinate=(5,),
+        ),
         "ehd": participant(film_fraction=(40, 40), oil_in_film=()),
         "other": participant(modal_coordinate=(3,)),
     }
@@ -46,10 +51,9 @@ def test_rows_of_numbers_that_make_a_state_are_always_recorded():
         "bodies.modal_velocity",
         "ehd.pressure",
         "bodies.modal_coordinate",
+        "bodies.bearing_coordinate",
     ]
     case.record.fields = []
-    del (
-        participants["bodies"].fields["modal_velocity"],
-        participants["bodies"].fields["modal_coordinate"],
-    )  # rigid
+    for name in ("modal_velocity", "modal_coordinate", "bearing_coordinate"):
+        del participants["bodies"].fields[name]  # rigid, with a tied pin
     assert recorded_ports(case, participants) == []
