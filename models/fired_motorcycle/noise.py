@@ -2,8 +2,9 @@
 
     python -m piston_cosim.models.fired_motorcycle.noise RUN.h5 [CASE]
 
-The run has recorded the field modal_velocity at even intervals. CASE has the meshes, default:
-fired_motorcycle. The radiation efficiency is 1, so the power is an upper bound at low frequencies.
+The run has recorded the field modal_velocity at even intervals. CASE has the meshes. Default: the
+case with the name of the results folder, then the shipped case with the title of the run. The
+radiation efficiency is 1, so the power is an upper bound at low frequencies.
 
 References
 ----------
@@ -11,7 +12,8 @@ References
 ch. 7: radiated power, radiation efficiency.
 """
 
-import sys
+from argparse import ArgumentParser
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -20,8 +22,8 @@ from scipy.interpolate import make_interp_spline
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.faces import normal_products
 from piston_cosim.fmu_mfbd.reduction.reduced_body import Anatomy, ReducedBlock, load
-from piston_cosim.master.api.bodies import build_tables
-from piston_cosim.master.case.reading import find_case
+from piston_cosim.master.commands.common import bodies_of, case_folder
+from piston_cosim.master.commands.usage import faults_of
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.figures import add_legend, save, subplots
 from piston_cosim.master.results.file import Results
@@ -131,11 +133,12 @@ def level(power):
     return 10.0 * np.log10(np.maximum(power, 1e-30 * REFERENCE) / REFERENCE)
 
 
-def main(file: str, case: str = "fired_motorcycle") -> None:
+def main(file: Path, case: str | None = None) -> None:
     """Print the mean power of each side, and draw all over crank angle and frequency."""
-    results = Results(file)
-    for owner, table in build_tables(results.case, results.case["participants"]).items():
-        files = reduced_bodies(table, find_case(case).parent, print, shapes=True)
+    results, tables = bodies_of(file)
+    folder = case_folder(results, case)
+    for owner, table in tables.items():
+        files = reduced_bodies(table, folder, print, shapes=True)
         block = load(ReducedBlock, files["block"])
         if not len(block.omega):
             raise BadInput("block.modes: expected a flexible block, got a rigid one")
@@ -154,4 +157,10 @@ def main(file: str, case: str = "fired_motorcycle") -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    parser = ArgumentParser(prog=f"python -m {__spec__.name}")
+    parser.add_argument("file", type=Path, help="results file of a run with a flexible block")
+    parser.add_argument("case", nargs="?", help="case whose folder contains the meshes")
+    try:
+        main(**vars(parser.parse_args()))
+    except (BadInput, OSError) as error:
+        parser.error("\n".join(faults_of(error)))

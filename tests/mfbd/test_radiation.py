@@ -4,6 +4,8 @@ Tests cover normal motion over its sides against closed forms, and power by Pars
 the example of fired_motorcycle.
 """
 
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -155,11 +157,11 @@ def test_the_example_prints_the_sides_of_a_reduced_block(
     """The bolted end of the block moves nothing, so its side is at the floor of the levels."""
     folder, table = coarse
     run = recorded(*harmonic(180), extra=20)  # 12 modes of the piston, 10 of the block
-    run.path, run.case = tmp_path / "run.h5", {"participants": {"bodies": {"role": "bodies"}}}
-    run.case["participants"]["bodies"] |= {"package": "fmu_mfbd", "build": table}
-    monkeypatch.setattr(noise, "Results", lambda file: run)
-    monkeypatch.setattr(noise, "find_case", lambda name: folder / "case.toml")
-    noise.main("run.h5")
+    run.path = tmp_path / "run.h5"
+    tables = {"bodies": table}
+    monkeypatch.setattr(noise, "bodies_of", lambda file: (run, tables))
+    monkeypatch.setattr(noise, "case_folder", lambda results, case: folder)
+    noise.main(run.path)
     rows = [line.split() for line in capsys.readouterr().out.splitlines() if " dB " in line]
     levels = {
         " ".join(row[1 : row.index("dB") - 1]): float(row[row.index("dB") - 1]) for row in rows
@@ -167,3 +169,9 @@ def test_the_example_prints_the_sides_of_a_reduced_block(
     assert set(levels) == {"+x", "-x", "+y", "-y", "+z", "-z", "all sides"}
     assert levels["-y"] == -300.0 and levels["all sides"] > max(levels["+x"], levels["+z"])
     assert (tmp_path / "run-bodies-noise.png").stat().st_size > 1e4
+
+
+def test_the_example_ends_with_code_2_for_a_file_that_is_missing(tmp_path):
+    words = [sys.executable, "-m", noise.__name__, str(tmp_path / "run.h5")]
+    done = subprocess.run(words, capture_output=True, text=True)
+    assert done.returncode == 2 and "run.h5" in done.stderr and "Traceback" not in done.stderr
