@@ -238,7 +238,8 @@ class Mfbd(FieldSlave):
 
     def _wall_field(self, values: dict[str, Any], name: str) -> np.ndarray:
         """Return the temperature of a wall on its whole grid, empty if there is no such input."""
-        fields = [values[port] for port in (name, *self._of_films((name,))) if port in values]
+        ports = dict.fromkeys((name, *self._of_films((name,))))  # a single film has no prefix
+        fields = [values[port] for port in ports if port in values]
         return np.concatenate([one.ravel() for one in fields]) if fields else NO_FIELD
 
     def _pins(self, values: dict[str, Any]) -> tuple[PinForces, ...]:

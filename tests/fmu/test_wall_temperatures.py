@@ -1,8 +1,11 @@
 """Films between walls of given temperatures, as a case runs them."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_mfbd.slave import Mfbd
 from piston_cosim.master.engine.overview import conditions
 
 from .runs import EXAMPLE, run_tree, small_tree
@@ -40,6 +43,31 @@ def test_even_temperatures_are_those_of_oil_and_inputs(tmp_path):
         np.testing.assert_allclose(values, same, rtol=0, atol=1e-3 * np.abs(same).max())
     np.testing.assert_allclose(friction, other.series("ehd.friction_power").values, rtol=1e-3)
     assert "cold" in told and "hot" in told
+
+
+def test_field_inputs_of_even_temperatures_are_those_of_the_walls(tmp_path):
+    """The work of the films on the growing walls counts every cell once."""
+    given = finished(tmp_path, (BUILD, {"skirt": "400 K", "bore": "390 K"}))
+    known = {name: given.series(f"bodies.{name}").values for name in SAME}
+    fields = [
+        (f"participants.bodies.parameters.{wall}_temperature_field", kelvin)
+        for wall, kelvin in (("skirt", "400 K"), ("bore", "390 K"))
+    ]
+    other = finished(tmp_path, (BUILD, {"skirt": "input", "bore": "input"}), *fields)
+    for name, values in known.items():
+        same = other.series(f"bodies.{name}").values
+        np.testing.assert_allclose(values, same, rtol=0, atol=1e-3 * np.abs(same).max())
+
+
+@pytest.mark.parametrize("prefixes", [("",), ("lower.", "upper.")])
+def test_field_inputs_have_every_cell_once(prefixes):
+    """Of one film, whose variables have no prefix, and of several."""
+    slave = object.__new__(Mfbd)
+    films = [SimpleNamespace(prefix=prefix) for prefix in prefixes]
+    slave.built = SimpleNamespace(film_grids=lambda: films)
+    name = "skirt_temperature_field"
+    values = {f"{prefix}{name}": np.full((4, 3), 400.0) for prefix in prefixes}
+    assert slave._wall_field(values, name).shape == (12 * len(prefixes),)
 
 
 def test_hot_walls_conserve_energy_and_oil(tmp_path):
