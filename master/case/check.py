@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..fmi.errors import BadInput, ParticipantFault, unknown
+from ..fmi.fields import base_of
 from ..fmi.preview import Figure, Preview
 from ..fmi.quantities import short, to_si
 from ..fmi.tree import import_part
 from .ahead import Ahead, ahead, faults_ahead, run_ahead
 from .checked import check_case
-from .contract import given_by_others
+from .contract import contract, given_by_others
 from .optional_wires import overrides
 from .reading import find_case, read_tree
 from .schema import Case
@@ -113,6 +114,7 @@ def check(
     previews = {name: one for name, one in previews.items() if not _refused(case, name, declared)}
     warnings = [f"{owner}: {line}" for owner, one in previews.items() for line in one.warnings]
     warnings += _contradictions(case, declared, previews)
+    warnings += _without_a_value(case, declared)
     warnings += _warnings_on_steps(case, folder)
     remarks = [f"{owner}: {line}" for owner, one in previews.items() for line in one.remarks]
     remarks += [
@@ -230,6 +232,24 @@ def _contradictions(case: Case, declared: Ahead, previews: dict[str, Preview]) -
                     f"{short(measured.value, unit, 4)}, {given - measured.value:+.3g} {unit}"
                 )
     return found
+
+
+def _without_a_value(case: Case, declared: Ahead) -> list[str]:
+    """Return warnings on inputs that need a wire or a value, and have neither.
+
+    The contract lists them, without the film surface that may precede them.
+    """
+    wired = {base_of(wire.target) for wire in case.wires}
+    return [
+        f"{name}.{variable}: expected a wire or a value in parameters, got neither; it keeps its "
+        "start value"
+        for name, table in case.participants.items()
+        if table.role in contract() and name in declared.participants
+        for variable in declared.participants[name].fields
+        if variable.rpartition(".")[2] in contract()[table.role].needs
+        and f"{name}.{variable}" not in wired
+        and variable not in table.parameters
+    ]
 
 
 def _disagreements(case: Case, declared: Ahead, previews: dict[str, Preview]) -> list[str]:

@@ -47,6 +47,7 @@ class Role:
     build: dict[str, str] = field(default_factory=dict)
     repeats: tuple[str, ...] = ()
     records: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()
     turning: tuple[str, ...] = ()
     power: str | None = None
     energy_size: str | None = None

@@ -118,6 +118,15 @@ def test_check_prints_the_temperatures_of_the_edges():
         assert value == pytest.approx((skirt + 393.15) / 2, rel=1e-12)
 
 
+def test_check_warns_of_a_temperature_field_without_a_value():
+    """Its start value is the reference temperature, 20 degC."""
+    changes = [(TEMPERATURES, {"skirt": "input", "bore": "390 K"})]
+    text = "bodies.skirt_temperature_field: expected a wire or a value in parameters, got neither"
+    assert [one for one in check("data_sheet", changes).warnings if text in one]
+    changes.append(("participants.bodies.parameters.skirt_temperature_field", "400 K"))
+    assert not [one for one in check("data_sheet", changes).warnings if text in one]
+
+
 @pytest.mark.parametrize("key", ["piston_temperature", "skirt_temperature_rise"])
 def test_a_temperature_that_is_given_twice_is_a_fault(key):
     twice = f"participants.bodies.parameters.{key}", "250 K"
