@@ -208,7 +208,7 @@ def parameters():
     from piston_cosim.fmu_mfbd.dynamics.block_force import BlockForce
     from piston_cosim.fmu_mfbd.dynamics.build_options import FilmGrid
     from piston_cosim.fmu_mfbd.dynamics.parameters import CRANK_PARAMETERS, SpaceParameters
-    from piston_cosim.fmu_mfbd.dynamics.pin_instant import PinScalars
+    from piston_cosim.fmu_mfbd.dynamics.pin_outputs import PinScalars
     from piston_cosim.fmu_mfbd.dynamics.space_model import SpaceScalars
 
     grid, modes = (40, 40), 120
