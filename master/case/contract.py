@@ -21,7 +21,6 @@ CAPABILITIES = {
     "canHandleVariableCommunicationStepSize": "a macro step that fails is not halved",
 }
 """Capabilities that a run can do without, and the consequence."""
-
 OF_PYTHONFMU = {
     "canGetAndSetFMUstate": "; build it with `pythonfmu build --handle-state`",
     "canSerializeFMUstate": "; `pythonfmu build --serialize-state` adds it",
