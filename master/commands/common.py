@@ -211,8 +211,9 @@ def page_of(case, runs, folder, *, source=None, measured=None):
     from ..results.report import write_report
 
     answers = {label: answer(case, results) for label, results in runs.items()}
+    tables = {label: one.table for label, one in answers.items()}
     own = special(case, runs, body_skins(runs, source))
-    own = replace(own, overview=overview(case, runs), measured=measured)
+    own = replace(own, overview=overview(runs, tables), measured=measured)
     return write_report(case, runs, folder, answers, own)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ..case.checked import check_case
 from ..case.reading import find_case, read_tree
-from ..engine.headlines import directions
+from ..engine.measures import directions
 from ..fmi.errors import BadInput, for_all
 from ..fmi.quantities import duration
 from ..runs import sweep as sweeps

@@ -1,7 +1,7 @@
 """Main results and checks of a run, for the terminal and the report."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -9,15 +9,17 @@ from ..case.tables import reduced
 from ..fmi.quantities import short
 from ..results.instants import crank_angle
 from .headlines import Headline, headlines
+from .measures import Measures, measures
 from .verdicts import RANK, WORDS, Verdict, verdicts
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Lines of the main results, and every check."""
+    """Lines of the main results, every check, and the measures of the run."""
 
     lines: list[Headline]
     verdicts: list[Verdict]
+    table: Measures = field(default_factory=Measures)
 
     def said(self, name: str) -> str:
         """Return the text of the line of that name, "" if there is none."""
@@ -35,14 +37,15 @@ def answer(case, results) -> Answer:
     case : Case
     results : Results
     """
-    lines = headlines(case, results) or _own_summary(case, results)
-    judged = verdicts(case, results)
+    table = measures(case, results)
+    lines = headlines(table) or _own_summary(case, results)
+    judged = verdicts(results, table)
     if settled := _settled(results):
         lines.append(Headline("periodicity", settled))
     lines.append(Headline("run", _computed(results.whole)))
     if judged:
         lines.append(Headline("checks", _counted(judged)))
-    return Answer(lines, judged)
+    return Answer(lines, judged, table)
 
 
 def _own_summary(case, results):

@@ -4,32 +4,18 @@ Every value refers to the last period of a run.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ..case.contract import players
-from ..case.schema import Case
 from ..fmi.quantities import short, to_si
 from ..results.file import Results
-from ..results.judgement import mean_over
-from ..results.pictures import handy_unit, scaled
-from .headlines import Run, contact_share, friction_power, friction_pressure, highest, thinnest
-from .impacts import impacts
-from .oil_balance import oil_balance
+from .measures import NO_IMPACT, Measure, Measures, display_unit, value_text, without_trace
 
 LEAST_CHANGE = 0.005
 """Relative change below which the sentence names no change."""
-
-
-class Result(NamedTuple):
-    """Result of one run: name, value, unit, and a note."""
-
-    name: str
-    value: float
-    unit: str
-    note: str = ""
 
 
 class Comparison(NamedTuple):
@@ -73,116 +59,87 @@ class Overview:
     films: dict[str, list[Comparison]]
 
 
-def overview(case: Case, runs: dict[str, Results]) -> Overview | None:
-    """Return the first screen of runs, or None without a film."""
+def overview(runs: dict[str, Results], tables: dict[str, Measures]) -> Overview | None:
+    """Return the first screen of runs and their measures, or None without a film."""
     first = next(iter(runs.values()))
-    films = players(first.case, "lubrication")
+    films = next(iter(tables.values())).films
     if not films:
         return None
-    periods = [results.last for results in runs.values()]
-    figures = _figures([list(_of_films(case, results, films)) for results in periods])
-    rows = _figures([list(_of_motion(case, results, films)) for results in periods])
-    own = {
-        film: _figures([list(_of_films(case, results, [film])) for results in periods])
-        for film in films
-    }
-    ordered = sorted(own, key=lambda film: _margin(first, film))
+
+    def compared(results):
+        return _figures([list(results(table)) for table in tables.values()])
+
+    figures = compared(lambda table: _of_films(table, films))
+    own = {film: compared(lambda table, film=film: _of_films(table, [film])) for film in films}
+    ordered = sorted(own, key=lambda film: _margin(first, next(iter(tables.values())), film))
     return Overview(
         _sentence(list(runs), figures),
         conditions(first, films),
         figures,
-        rows,
+        compared(_of_motion),
         {film: own[film] for film in ordered} if len(films) > 1 else {},
     )
 
 
-def _figures(results: list[list[Result]]) -> list[Comparison]:
-    """Return the results of all runs for comparison, in suitable units."""
-    named = [{one.name: one for one in own} for own in results]
+def _figures(results: list[list[Measure]]) -> list[Comparison]:
+    """Return the measures of all runs for comparison, in suitable units."""
+    named = [{one.label: one for one in own} for own in results]
     found = []
     for name in dict.fromkeys(name for own in named for name in own):
         known = [own.get(name) for own in named]
         values = [one.value for one in known if one]
         unit = next(one.unit for one in known if one)
-        wanted = "deg" if unit == "rad" else handy_unit(unit, float(np.abs(values).max()))
-        factor, label = scaled(1.0, unit, wanted)
-        shown = [float(one.value * factor) if one else None for one in known]
+        factor, label = display_unit(unit, max(map(abs, values)))
+        shown = [one.value * factor if one else None for one in known]
         found.append(Comparison(name, label, shown, [one.note if one else "" for one in known]))
     return found
 
 
-def _of_films(case, results, films) -> Iterator[Result]:
+def _of_films(table, films) -> Iterator[Measure]:
     """Yield minimum film thickness, maximum pressure and friction of films."""
-    runs = [Run(case, results, film, "") for film in films]
-    for name, located, worst in (
-        ("minimum film thickness", thinnest, min),
-        ("maximum pressure", highest, max),
-    ):
-        known = [(one, run.film) for run in runs if (one := located(run))]
-        if known:
-            one, film = worst(known, key=lambda pair: pair[0].value)
-            named = f", {film}" if len(films) > 1 else ""
-            yield Result(name, one.value, one.unit, f"{one.where}{named}")
-    if len(films) == 1:
-        power = runs[0].values(f"{films[0]}.friction_power")
-    else:
-        power = friction_power(results)
-    if power is None or len(results.time) < 2:
+    for key in ("minimum_film_thickness_m", "maximum_pressure_pa"):
+        if worst := table.worst(key, films):
+            named = f", {worst.owner}" if len(films) > 1 else ""
+            yield replace(worst, note=f"{worst.note}{named}")
+    alone = len(films) == 1
+    power = table.of("mean_friction_power_w", films[0] if alone else "")
+    if power is None:
         return
-    notes = []
-    pressure = friction_pressure(case, results)
-    if pressure is not None and len(films) == len(players(results.case, "lubrication")):
-        notes.append(f"FMEP {short(pressure, 'Pa')}")
-    share = contact_share(results, films[0]) if len(films) == 1 else None
-    if share is not None:
-        notes.append(f"{_percent(share):.2g} % by asperity contact")
-    yield Result("mean friction power", mean_over(results.time, power), "W", ", ".join(notes))
+    pressure = table.of("friction_mean_effective_pressure_pa") if films == table.films else None
+    share = table.of("contact_share", films[0]) if alone else None
+    notes = [f"FMEP {value_text(pressure.value, 'Pa')}"] if pressure else []
+    if share:
+        notes.append(f"{100 * without_trace(share.value):.2g} % by asperity contact")
+    yield replace(power, note=", ".join(notes))
 
 
-def _of_motion(case, results, films) -> Iterator[Result]:
+def _of_motion(table) -> Iterator[Measure]:
     """Yield FMEP, side force, impacts and motion. For one film, yield contact and oil."""
-    pressure = friction_pressure(case, results)
-    if pressure is not None:
-        yield Result("friction mean effective pressure", pressure, "Pa")
-    bodies = players(results.case, "bodies")
-    for body in bodies:
-        run = Run(case, results, films[0], body)
-        of = f", {body}" if len(bodies) > 1 else ""
-        force = run.values(f"{body}.side_force")
-        if force is not None:
-            yield Result(f"maximum side force{of}", float(np.abs(force).max()), "N")
-        if struck := impacts(results, body):
-            worst = max(struck, key=lambda impact: impact.loss)
-            yield Result(f"energy lost in the hardest impact{of}", worst.loss, "J")
-        for port, name, unit in (
-            ("lateral_displacement", "range of lateral displacement", "m"),
-            ("rocking_angle", "range of rocking angle", "rad"),
-        ):
-            values = run.values(f"{body}.{port}")
-            if values is not None:
-                yield Result(f"{name}{of}", float(np.ptp(values)), unit)
-    if len(films) > 1:
-        return
-    share = contact_share(results, films[0])
-    if share is not None:
-        yield Result("friction work by asperity contact", _percent(share), "%")
-    if balance := oil_balance(results, films[0]):
-        yield Result("oil throughput per period", 1e9 * balance.throughput, "mm³")
+    if pressure := table.of("friction_mean_effective_pressure_pa"):
+        yield replace(pressure, note="")
+    keys = ("side_force_n", "slap_energy_j", "lateral_displacement_range_m")
+    for body in table.bodies:
+        named = f", {body}" if len(table.bodies) > 1 else ""
+        for key in (*keys, "rocking_angle_range_rad"):
+            one = table.of(key, body)
+            if one and one.shown != NO_IMPACT:
+                yield replace(one, label=f"{one.label}{named}", note="")
+    if len(table.films) == 1:
+        share = table.of("contact_share", table.films[0])
+        if share:
+            yield replace(share, value=without_trace(share.value), note="")
+        if through := table.of("oil_throughput_m3", table.films[0]):
+            yield through
 
 
-def _percent(share):
-    """Return a share in percent; less than a millionth is 0."""
-    return 100 * share if share > 1e-6 else 0.0
-
-
-def _margin(results, film):
+def _margin(results, table, film):
     """Return film thickness over roughness of a film, or the thickness in µm if it is smooth."""
-    port = f"{film}.minimum_film_thickness"
-    if port not in results.ports:
+    thinnest = table.of("minimum_film_thickness_m", film)
+    if thinnest is None:
         return np.inf
     given = results.case["participants"][film].get("parameters", {})
     rough = to_si(given.get("roughness_rms", "0 m"), "m")
-    return results.last.series(port).values.min() / (rough or 1e-6)
+    return thinnest.value / (rough or 1e-6)
 
 
 def conditions(results: Results, films: list[str]) -> list[str]:

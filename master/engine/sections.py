@@ -33,7 +33,7 @@ from ..results.pictures import scaled
 from ..results.report import FilmView, Orbit, Special
 from ..results.solids import Solid, Stand
 from .crank_drive import crank_drive
-from .headlines import friction_pressures
+from .friction import friction_pressures
 from .impacts import impacts
 from .places import film_body, film_surface, gap_port
 from .stands import stands
@@ -78,7 +78,7 @@ def special(
             for film in films
             for one in _of_film(case, runs, bodies, body_of[film], film, len(films))
         ),
-        Section("Friction over the periods", _cycles(case, runs)),
+        Section("Friction over the periods", _cycles(runs)),
     ]
     return Special(
         sections=[section for section in sections if section.drawn],
@@ -387,11 +387,11 @@ def _friction(runs, body, film):
     return Section("Friction", [*charts, *_stribeck(runs, body, film)])
 
 
-def _cycles(case, runs) -> list[Drawn]:
+def _cycles(runs) -> list[Drawn]:
     """Return a chart of the FMEP of every whole period shown, if there are several."""
 
     def cycles(results):
-        ends, pressures = np.array(friction_pressures(case, results)).reshape(-1, 2).T
+        ends, pressures = np.array(friction_pressures(results)).reshape(-1, 2).T
         return (np.degrees(ends), 1e-3 * pressures) if len(ends) > 1 else None
 
     title = "Friction mean effective pressure of every period"

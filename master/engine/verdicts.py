@@ -9,8 +9,10 @@ import numpy as np
 
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
+from ..results.file import Results
 from ..results.instants import instant_text
-from .places import film_body, highest_position, thinnest_position
+from .measures import Measures
+from .places import film_body
 
 LAMBDA_AMBER, LAMBDA_RED = 3.0, 1.0
 """Minimum film thickness over composite roughness: asperities touch below 3 and carry below 1."""
@@ -70,18 +72,15 @@ class Verdict(NamedTuple):
         return WORDS[self.colour]
 
 
-def verdicts(case, results) -> list[Verdict]:
-    """Return the checks of the last period of a finished run. Missing outputs are not checked.
+def verdicts(results: Results, table: Measures) -> list[Verdict]:
+    """Return the checks of the last period of a finished run, whose measures are `table`.
 
-    Parameters
-    ----------
-    case : Case
-    results : Results
+    Missing outputs are not checked.
     """
     results = results.last
     summary = results.summary or {}
     found = [*_of_summary(summary), *_of_conjugates(results.case), *_of_truncation(summary)]
-    found += _of_each(results, "lubrication", partial(_of_film, case), partial(_of_grid, case))
+    found += _of_each(results, "lubrication", partial(_of_film, table), _of_grid)
     found += _of_each(results, "bodies", _of_side_force)
     found += _of_each(results, "bodies", _of_play)
     if "settled" in summary:
@@ -216,38 +215,40 @@ def _edge_in_words(summary):
     return f" Under a narrow patch at an edge of the skirt, the modes miss up to {_percent(edge)}."
 
 
-def _of_film(case, results, name):
+def _of_film(table, results, name):
     """Yield the checks of film thickness and pressure of a lubrication participant."""
-    thinnest, highest = f"{name}.minimum_film_thickness", f"{name}.maximum_pressure"
     given = results.case["participants"][name].get("parameters", {})
-    if thinnest in results.ports:
-        values = results.series(thinnest).values
-        k = int(values.argmin())
-        film = f"The minimum film thickness is {short(values[k], 'm')} "
-        film += f"at {instant_text(results, results.time[k])}"
+    if thinnest := table.of("minimum_film_thickness_m", name):
+        film = f"The minimum film thickness is {_located(results, thinnest, 'm')}"
         rough = to_si(given.get("roughness_rms", "0 m"), "m")
         if rough > 0.0:
-            ratio = values[k] / rough
+            ratio = thinnest.value / rough
             colour = _colour(-ratio, -LAMBDA_AMBER, -LAMBDA_RED)
             film += f", {ratio:.3g} times the roughness (limit {LAMBDA_AMBER:g})"
         else:
-            colour = "red" if values[k] <= 0.0 else "green"
-        place = thinnest_position(case, results, name)
-        yield Verdict(colour, "film", f"{film}.{place.clause if place else ''}")
+            colour = "red" if thinnest.value <= 0.0 else "green"
+        yield Verdict(colour, "film", f"{film}.{_clause(thinnest)}")
     # the limit applies to skirts, and only bearings have a friction torque
-    if highest in results.ports and f"{name}.friction_torque" not in results.ports:
-        values = results.series(highest).values
-        k = int(values.argmax())
-        place = highest_position(case, results, name)
-        colour = _colour(values[k], PRESSURE_AMBER, PRESSURE_RED)
+    highest = table.of("maximum_pressure_pa", name)
+    if highest and f"{name}.friction_torque" not in results.ports:
+        colour = _colour(highest.value, PRESSURE_AMBER, PRESSURE_RED)
         stiff = colour != "green" and _is_rigid(results, film_body(results, name))
         yield Verdict(
             colour,
             "pressure",
-            f"The maximum pressure is {short(values[k], 'Pa')} at "
-            f"{instant_text(results, results.time[k])} (limit {short(PRESSURE_AMBER, 'Pa')})."
-            f"{place.clause if place else ''}{RIGID if stiff else ''}",
+            f"The maximum pressure is {_located(results, highest, 'Pa')} "
+            f"(limit {short(PRESSURE_AMBER, 'Pa')}).{_clause(highest)}{RIGID if stiff else ''}",
         )
+
+
+def _located(results, measure, unit):
+    """Return the value of a measure with its instant."""
+    return f"{short(measure.value, unit)} at {instant_text(results, results.time[measure.row])}"
+
+
+def _clause(measure):
+    """Return a sentence about the position of a measure, "" if it is unknown."""
+    return measure.place.clause if measure.place else ""
 
 
 def _is_rigid(results, body):
@@ -257,7 +258,7 @@ def _is_rigid(results, body):
     return "rigid" in piston or piston.get("modes") == 0
 
 
-def _of_grid(case, results, name):
+def _of_grid(results, name):
     """Yield the check of the grid: it must resolve pressure peak, openings and thrust lines."""
     port = f"{name}.pressure"
     if port not in results.recorded:

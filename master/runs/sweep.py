@@ -183,7 +183,7 @@ def run_point(tree, case_folder, output):
         of the design, the summary of the case and the truncation error.
     """
     from ..case.system import open_system
-    from ..engine.headlines import measures
+    from ..engine.measures import measures_of
     from ..engine.truncation import state_truncation
     from .run import run
 
@@ -192,7 +192,7 @@ def run_point(tree, case_folder, output):
         case = check_case(tree, case_folder)
         summary = run(open_system(case, folder, _silent), case, tree, Path(output))
         missed = state_truncation(tree, folder, Path(output), _silent)
-        measured = measures(case, Path(output))
+        measured = measures_of(case, Path(output))
         return {"status": "done", "message": ""} | measured | summary | missed
     except BadInput as error:
         return {"status": "bad input", "message": "; ".join(error.faults)}

@@ -12,9 +12,8 @@ import h5py
 import numpy as np
 import pytest
 
-from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import read_tree
-from piston_cosim.master.engine.headlines import friction_pressure
+from piston_cosim.master.engine.friction import friction_pressure
 from piston_cosim.master.results.file import Results
 
 gmsh = pytest.importorskip("gmsh", reason="the extra `mesh` is not installed")
@@ -71,7 +70,7 @@ def test_five_commands_to_a_report(place):
     report = piston_cosim(place, "results", "report", "results/own/base.h5")
     assert "report" in report and (place / "report/report.html").is_file()
     with Results(place / "results/own/base.h5") as results:
-        found = friction_pressure(check_case(results.case, "own"), results)
+        found = friction_pressure(results)
         height, time = results.series("bodies.piston_position").values, results.time
         power = results.series("ehd.friction_power").values
     work = np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(time))

@@ -11,6 +11,7 @@ import piston_cosim as pc
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.commands.new import Sizes, command
+from piston_cosim.master.engine.measures import measures
 from piston_cosim.master.engine.new import CYCLE, SIZES, engine, unusual, write_case
 from piston_cosim.master.engine.piston_mesh import mesh_of_sizes, shape
 from piston_cosim.master.engine.verdicts import verdicts
@@ -109,7 +110,7 @@ def test_a_run_of_a_new_case_settles_without_a_warning(name, piston, tmp_path):
     command(tmp_path / name, sizes=sizes, piston=piston)
     path = tmp_path / name / "case.toml"
     with pc.open_case(path).run(tmp_path / "base.h5") as results:
-        found = verdicts(check_case(results.case, path), results)
+        found = verdicts(results, measures(check_case(results.case, path), results))
     assert "periodicity" in {one.what for one in found}
     for one in found:
         stiff = one.what == "pressure" and piston is None

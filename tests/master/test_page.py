@@ -96,7 +96,8 @@ def written(path, factor=1.0, grid=(AROUND, ALONG), instants=INSTANTS):
 def page_of_runs(case, runs, folder, **changes):
     """Write the report of runs with the first screen and the checks."""
     answers = {label: answer(case, results) for label, results in runs.items()}
-    own = replace(special(case, runs), overview=overview(case, runs), **changes)
+    tables = {label: one.table for label, one in answers.items()}
+    own = replace(special(case, runs), overview=overview(runs, tables), **changes)
     return write_report(case, runs, folder, answers, own)
 
 

@@ -7,8 +7,10 @@ import pytest
 
 from piston_cosim.master.case.schema import Case
 from piston_cosim.master.engine import sections
-from piston_cosim.master.engine.headlines import friction_pressure, headlines
+from piston_cosim.master.engine.friction import friction_pressure
+from piston_cosim.master.engine.headlines import headlines
 from piston_cosim.master.engine.impacts import impacts
+from piston_cosim.master.engine.measures import measures
 from piston_cosim.master.engine.sections import STROKES, own_strokes, special, strokes
 from piston_cosim.master.engine.verdicts import verdicts
 from piston_cosim.master.results.pictures import handy_unit, names_of
@@ -252,10 +254,11 @@ def test_each_cylinder_is_named():
     shown = special(case, {"r": results})
     titles = [one.title for one in shown.sections]
     assert {"Motion of the piston: front", "Forces: rear"} <= {*titles}
-    lines = {line.name: line.said for line in headlines(case, results)}
+    table = measures(case, results)
+    lines = {line.name: line.said for line in headlines(table)}
     assert lines["side force, front"].startswith("100 N on the thrust side")
     assert lines["side force, rear"].startswith("200 N on the thrust side")
-    said = {one.what: one.colour for one in verdicts(case, results)}
+    said = {one.what: one.colour for one in verdicts(results, table)}
     assert said["side force of front"] == "green" and said["side force of rear"] == "red"
 
 
@@ -263,7 +266,7 @@ def test_fmep_of_two_cylinders_is_over_the_displacement_of_both():
     """20 W for 1 ms over 2 pi 0.05^2 0.1 m3, of a period of 1 ms."""
     results = engine()
     results.period = 1e-3
-    found = friction_pressure(Case.model_construct(), results)
+    found = friction_pressure(results)
     assert found == pytest.approx(20e-3 / (2 * np.pi * 0.05**2 * 0.1), rel=1e-12)
 
 

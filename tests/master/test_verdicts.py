@@ -6,12 +6,13 @@ import pytest
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.engine.answer import answer
-from piston_cosim.master.engine.headlines import (
+from piston_cosim.master.engine.friction import (
     contact_share,
     friction_pressure,
     friction_pressures,
-    headlines,
 )
+from piston_cosim.master.engine.headlines import headlines
+from piston_cosim.master.engine.measures import measures
 from piston_cosim.master.engine.oil_balance import oil_balance
 from piston_cosim.master.engine.verdicts import bdf2_error, verdicts
 
@@ -25,7 +26,7 @@ def judged(folder, **given):
     """Return {what: verdict} of the run of `made`."""
     with made(folder, **given) as results:
         case = check_case(results.case, PATH)
-        return {one.what: one for one in verdicts(case, results)}
+        return {one.what: one for one in verdicts(results, measures(case, results))}
 
 
 def made(
@@ -249,8 +250,8 @@ def test_the_first_screen_by_hand(tmp_path):
         case = check_case(results.case, PATH)
         # whole periods of a cosine: trapezia are exact
         expected = 100.0 * 4 * np.pi / 100.0 / volume
-        assert friction_pressure(case, results) == pytest.approx(expected, rel=1e-12)
-        each = friction_pressures(case, results)
+        assert friction_pressure(results) == pytest.approx(expected, rel=1e-12)
+        each = friction_pressures(results)
         first, last = (cycle.pressure for cycle in each)
         assert last == pytest.approx(expected, rel=1e-12)
         # twice the power but in its last row, of (140 + 280)/2 W for 10 deg, and the stroke
@@ -288,9 +289,9 @@ def test_a_run_shorter_than_a_period_has_no_fmep_and_no_oil_per_period(tmp_path)
     with made(tmp_path, periods=0.5) as results:
         assert oil_balance(results, "ehd") is None
         assert "oil" not in [
-            line.name for line in headlines(check_case(results.case, PATH), results)
+            line.name for line in headlines(measures(check_case(results.case, PATH), results))
         ]
-        assert friction_pressure(check_case(results.case, PATH), results) is None
+        assert friction_pressure(results) is None
 
 
 def test_contact_share_of_the_last_period_by_hand(tmp_path):

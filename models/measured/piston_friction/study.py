@@ -8,8 +8,7 @@ README.md in this folder states the source of the fit and what it covers.
 import math
 import sys
 
-from piston_cosim.master.case.checked import check_case
-from piston_cosim.master.engine.headlines import friction_pressure
+from piston_cosim.master.engine.friction import friction_pressure
 from piston_cosim.master.fmi.quantities import to_si
 from piston_cosim.master.results.file import Results
 
@@ -69,7 +68,7 @@ def row(path: str) -> str:
     bore, length = 2.0 * to_si(film["bore_radius"], "m"), to_si(film["skirt_length"], "m")
     stroke, viscosity = 2.0 * to_si(bodies["crank_radius"], "m"), to_si(film["viscosity"], "Pa.s")
     speed = to_si(bodies["crank_speed"], "rad/s")
-    period = friction_pressure(check_case(results.case, results.path), results)
+    period = friction_pressure(results)
     assert period is not None and results.period is not None
     computed = period * 4.0 * math.pi / (speed * results.period)
     piston, rings = fit(bore, stroke, speed)
