@@ -268,9 +268,10 @@ def _of_friction(run: _Run) -> Iterator[Measure]:
     if power is not None and len(power) > 1:
         mean = mean_over(run.results.time, power)
         yield Measure("mean_friction_power_w", "mean friction power", mean, "W", before="mean")
-    pressure = friction_pressure(run.results)
+    pressure, crank = friction_pressure(run.results), crank_angle(run.results)
     if pressure is not None:
-        begin, *_, end = np.degrees(run.results.crank_angle)
+        assert crank is not None  # friction_pressure needs it
+        begin, *_, end = np.degrees(crank.angle)
         yield Measure(
             "friction_mean_effective_pressure_pa",
             "friction mean effective pressure",
