@@ -134,6 +134,7 @@ class Case:
         *,
         lubrication: type | str | Path | None = None,
         bodies: type | str | Path | None = None,
+        uncertainty: bool = False,
     ) -> Results:
         """Run to the stop time; Ctrl-C ends the run after its macro step, with a checkpoint.
 
@@ -148,6 +149,8 @@ class Case:
             Model that replaces the participant in this role: a model class, "FILE.py:CLASS" or an
             FMU. The class must be in a file that can be imported; its FMU is built and cached.
             "PARTICIPANT=MODEL" selects one of several participants.
+        uncertainty : bool
+            Compute the uncertainty of the main results from a second grid and doubled steps.
 
         Returns
         -------
@@ -161,6 +164,7 @@ class Case:
             If a macro step does not converge.
         """
         from ..engine.truncation import state_truncation
+        from ..runs.uncertainty import state_uncertainty
 
         output = Path(output or Path("results") / self.name / f"{self.label}.h5").absolute()
         models = {"lubrication": _model(lubrication), "bodies": _model(bodies)}
@@ -179,6 +183,8 @@ class Case:
             if line.startswith("wire ") or "expected a finite output" in line:
                 log.warning("%s: %s", self.name, line)
         state_truncation(tree, self.path.parent, output, log.info)
+        if uncertainty:
+            state_uncertainty(tree, self.path.parent, output, log.info)
         return Results(output)
 
     def __repr__(self) -> str:

@@ -249,6 +249,8 @@ def print_answers(answers, verbose=False):
         table.add_row(name, *(one.said(name) for one in answers.values()))
     wide_console().print(table, highlight=False)
     for label, one in answers.items():
+        if one.uncertainty:
+            say(f"{label}: {one.uncertainty}" if len(answers) > 1 else one.uncertainty)
         for check in one.verdicts:
             if check.colour == "green" and not verbose:
                 continue

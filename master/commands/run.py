@@ -54,6 +54,7 @@ def command(
     lubrication: list[str] = [],
     bodies: list[str] = [],
     jobs: Workers | None = None,
+    uncertainty: Annotated[bool, Parameter(negative=())] = False,
     verbose: Annotated[bool, Parameter(negative=())] = False,
 ):
     """Run a case and its variants.
@@ -88,6 +89,9 @@ def command(
     jobs
         Number of processes that compile and run variants at the same time. 1 does one thing after
         the other. Default: the number of processors.
+    uncertainty
+        Compute the uncertainty of the main results from a second grid and doubled steps. It takes
+        up to 0.7 of the time of the run. Default: an estimate from the run alone.
     verbose
         Also print every period, all counters, the summary of the case and every check.
     """
@@ -120,6 +124,12 @@ def command(
                 label: _run(label, system, cases[label], trees[label], files[label], of_period)
                 for label, system in systems.items()
             }
+    if uncertainty:
+        from ..runs.uncertainty import state_uncertainty  # slow to import
+
+        for label, file in files.items():
+            with working(console, f"uncertainty of {label}"):
+                state_uncertainty(trees[label], path.parent, file, say)
     summaries = {
         label: one.summary | {"first_step_after_s": (one.first or STARTED) - STARTED}
         for label, one in outcomes.items()

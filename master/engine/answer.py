@@ -1,6 +1,7 @@
 """Main results and checks of a run, for the terminal and the report."""
 
 import re
+from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,16 +11,18 @@ from ..fmi.quantities import short
 from ..results.instants import crank_angle
 from .headlines import Headline, headlines
 from .measures import Measures, measures
+from .uncertainty import DIVERGES
 from .verdicts import RANK, WORDS, Verdict, verdicts
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Lines of the main results, every check, and the measures of the run."""
+    """Lines of the main results, every check, the measures of the run, and their uncertainty."""
 
     lines: list[Headline]
     verdicts: list[Verdict]
     table: Measures = field(default_factory=Measures)
+    uncertainty: str = ""
 
     def said(self, name: str) -> str:
         """Return the text of the line of that name, "" if there is none."""
@@ -45,7 +48,27 @@ def answer(case, results) -> Answer:
     lines.append(Headline("run", _computed(results.whole)))
     if judged:
         lines.append(Headline("checks", _counted(judged)))
-    return Answer(lines, judged, table)
+    return Answer(lines, judged, table, uncertainty_text(table, results.summary or {}))
+
+
+def uncertainty_text(table: Measures, summary: dict) -> str:
+    """Return sentences about the uncertainties of a run, "" if it has none."""
+    known = [one for one in table.estimated if one.uncertainty.value is not None]
+    said = []
+    if known:
+        computed = any(name.startswith("uncertainty_grid_") for name in summary)
+        how = "from a second grid and doubled steps" if computed else "estimates from this run"
+        parts = Counter(one.uncertainty.contributor for one in known)
+        cause, count = parts.most_common(1)[0]
+        said = [f"Uncertainties are {how}. The largest part of {count} of {len(known)} is {cause}."]
+    for reason in dict.fromkeys(one.uncertainty.reason for one in table.estimated):
+        names = [one.label for one in table.estimated if one.uncertainty.reason == reason]
+        if reason and reason != DIVERGES:
+            of = names[0] if len(names) == 1 else f"{len(names)} figures"
+            said.append(f"The uncertainty of {of} is unknown: {reason}.")
+    if why := summary.get("uncertainty_reason"):
+        said.append(f"The second grid gives none: {why}.")
+    return " ".join(said)
 
 
 def _own_summary(case, results):

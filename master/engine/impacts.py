@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+import numpy as np
 from scipy.signal import find_peaks
 
 from ..results.file import Results
@@ -48,11 +49,17 @@ def impacts(results: Results, body: str) -> list[Impact] | None:
     if not {*ports} <= {*results.ports}:
         return None
     energy, *edges = (results.series(port).values for port in ports)
-    peaks, _ = find_peaks(energy, prominence=LEAST * energy.max(initial=0.0))
     found = []
-    for row, end in zip(peaks, [*peaks[1:], len(energy)]):
-        loss = float(energy[row] - energy[row:end].min())  # Eq. (X23)
+    for row, loss in losses(energy):
         speeds = [float(edge[row]) for edge in edges]
         faster = int(abs(speeds[1]) > abs(speeds[0]))
-        found.append(Impact(int(row), loss, ("lower", "upper")[faster], speeds[faster]))
+        found.append(Impact(row, loss, ("lower", "upper")[faster], speeds[faster]))
     return found
+
+
+def losses(energy: np.ndarray) -> list[tuple[int, float]]:
+    """Return the row of each peak of the kinetic energy, and the loss after it, Eq. (X23)."""
+    peaks, _ = find_peaks(energy, prominence=LEAST * energy.max(initial=0.0))
+    ends = [*peaks[1:], len(energy)]
+    # Eq. (X23)
+    return [(int(row), float(energy[row] - energy[row:end].min())) for row, end in zip(peaks, ends)]

@@ -4,8 +4,9 @@ Every value refers to the last period of the run. A measure is omitted if the ru
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,12 +17,32 @@ from ..fmi.quantities import short
 from ..results.file import Results
 from ..results.instants import crank_angle
 from ..results.judgement import mean_over
-from ..results.pictures import handy_unit, scaled
 from .friction import contact_share, friction_power, friction_pressure
 from .impacts import impacts
+from .indicator import (
+    GRID,
+    Course,
+    Indicator,
+    Reduction,
+    hardest,
+    largest,
+    of_extreme,
+    of_work,
+    reason,
+)
 from .oil_balance import oil_balance
 from .peaks import ABOVE, BESIDE, side_peaks
 from .places import CellPosition, highest_position, thinnest_position
+from .uncertainty import (
+    CAUSES,
+    DISPLAYED,
+    DIVERGES,
+    UNKNOWN,
+    Uncertainty,
+    combined,
+    entry_of,
+    spread_text,
+)
 
 DESIGN = {
     "minimum_film_thickness_m": "raise",
@@ -35,6 +56,8 @@ CHECKS = {"minimum_film_thickness_m": ("film",), "maximum_pressure_pa": ("pressu
 """Measure -> checks about it, without the name of its film."""
 TRACE = 1e-6
 """Share that is displayed as 0."""
+LEAST_SHARE = 5e-5
+"""Uncertainty of a share below which the share is displayed alone: half of its last digit."""
 NO_IMPACT = "no impact"
 """Text of the slap energy of a piston without impacts."""
 
@@ -61,6 +84,11 @@ class Measure:
         Words before and after the value.
     shown : str
         Text that replaces the value.
+    scale : float or None
+        Part of the value that depends on the film, default: the value.
+    course : Course or None
+        Values over the macro steps that the figure is made of.
+    uncertainty : Uncertainty
     """
 
     key: str
@@ -73,12 +101,30 @@ class Measure:
     before: str = ""
     note: str = ""
     shown: str = ""
+    scale: float | None = None
+    course: Course | None = None
+    uncertainty: Uncertainty = UNKNOWN
+
+    @property
+    def figure(self) -> str:
+        """Value with its uncertainty and unit."""
+        spread = self.uncertainty.value
+        if self.shown:
+            return self.shown
+        if spread and (self.unit != "1" or spread >= LEAST_SHARE):
+            return spread_text(self.value, spread, self.unit)
+        text = value_text(self.value, self.unit)
+        return f"{text} ({DIVERGES})" if self.uncertainty.reason == DIVERGES else text
 
     @property
     def text(self) -> str:
-        """Value with its unit, between the words about it."""
-        parts = self.before, self.shown or value_text(self.value, self.unit), self.note
-        return " ".join(filter(None, parts))
+        """Value with its uncertainty and unit, between the words about it."""
+        return " ".join(filter(None, [self.before, self.figure, self.note]))
+
+    @property
+    def name(self) -> str:
+        """Key with the participant, by which summaries and tables name the measure."""
+        return f"{self.key}_{self.owner}" if self.owner else self.key
 
 
 @dataclass(frozen=True)
@@ -100,14 +146,15 @@ class Measures:
         return way(known, key=lambda one: one.value, default=None)
 
     @property
+    def estimated(self) -> list[Measure]:
+        """Measures that have an uncertainty, or a reason why it is unknown."""
+        return [one for one in self.all if one.uncertainty is not UNKNOWN]
+
+    @property
     def design(self) -> dict[str, float]:
         """Worst value of each measure of a design."""
         found = {key: self.worst(key) for key in DESIGN}
         return {key: one.value for key, one in found.items() if one}
-
-
-DISPLAYED = {"1": (100.0, "%"), "m3": (1e9, "mm³"), "rad": (float(np.degrees(1.0)), "deg")}
-"""SI unit -> factor to the displayed unit, and its label."""
 
 
 def value_text(value: float, unit: str) -> str:
@@ -118,14 +165,6 @@ def value_text(value: float, unit: str) -> str:
         return short(value, unit)
     factor, label = DISPLAYED[unit]
     return f"{factor * value:.3g} {label}"
-
-
-def display_unit(unit: str, largest: float) -> tuple[float, str]:
-    """Return the factor from an SI unit to one that suits a value, and the label of that unit."""
-    if unit in DISPLAYED:
-        return DISPLAYED[unit]
-    factor, label = scaled(1.0, unit, handy_unit(unit, largest))
-    return float(factor), label
 
 
 def without_trace(share: float) -> float:
@@ -147,7 +186,24 @@ def measures(case: Case, results: Results) -> Measures:
         *_of_friction(run),
         *(one for body in bodies for one in _of_body(run, body, (films or [""])[0])),
     ]
-    return Measures(films, bodies, found)
+    indicator = Indicator(results, films)
+    return Measures(films, bodies, [_estimated(one, indicator, results, films) for one in found])
+
+
+def _estimated(measure: Measure, indicator: Indicator, results: Results, films) -> Measure:
+    """Return a measure with its uncertainty: the parts of `run --uncertainty`, or estimates."""
+    summary = results.summary or {}
+    parts = indicator.parts(measure)
+    entries = {cause: entry_of(cause, measure.name) for cause in CAUSES}
+    parts |= {cause: summary[name] for cause, name in entries.items() if name in summary}
+    film = indicator.film_of(measure.owner)
+    if measure.key not in GRID or measure.shown:
+        return measure
+    if measure.key == "maximum_pressure_pa" and film and film.narrow:
+        return replace(measure, uncertainty=Uncertainty(None, "grid", DIVERGES))
+    if "grid" not in parts:
+        return replace(measure, uncertainty=Uncertainty(None, "", reason(results, films)))
+    return replace(measure, uncertainty=combined(parts))
 
 
 def measures_of(case: Case, path: Path) -> dict[str, float]:
@@ -185,6 +241,10 @@ class _Run:
         port = f"{owner}.{output}"
         return self.results.series(port).values if port in self.results.ports else None
 
+    def course(self, owner: str, output: str, reduce: Reduction) -> Course:
+        """Return a scalar output of the whole run, and the function that makes a figure of it."""
+        return Course(self.results.whole.series(f"{owner}.{output}").values, reduce)
+
     def at(self, row: int) -> str:
         """Return a row as a crank angle, or as a time if the run has no crank angle."""
         crank = crank_angle(self.results)
@@ -194,26 +254,31 @@ class _Run:
 
 
 EXTREMES = (
-    ("minimum_film_thickness", "m", np.argmin, thinnest_position),
-    ("maximum_pressure", "Pa", np.argmax, highest_position),
+    ("minimum_film_thickness", "m", np.argmin, thinnest_position, of_extreme(np.min)),
+    ("maximum_pressure", "Pa", np.argmax, highest_position, of_extreme(np.max)),
 )
 """Outputs of a film whose extreme over the period is a measure, with its position."""
 
 
 def _of_film(run: _Run, film: str) -> Iterator[Measure]:
-    for output, unit, row_of, position in EXTREMES:
+    for output, unit, row_of, position, reduce in EXTREMES:
         values = run.values(film, output)
         if values is not None:
             row = int(row_of(values))
             place = position(run.case, run.results, film)
             note = ", ".join(filter(None, [run.at(row), place and place.brief]))
             key, label = f"{output}_{unit.lower()}", output.replace("_", " ")
-            yield Measure(key, label, float(values[row]), unit, film, row, place, note=note)
+            value, course = float(values[row]), run.course(film, output, reduce)
+            yield Measure(key, label, value, unit, film, row, place, note=note, course=course)
     yield from _peaks(run, film)
     power = run.values(film, "friction_power")
     if power is not None and len(power) > 1:
-        mean = mean_over(run.results.time, power)
-        yield Measure("mean_friction_power_w", "mean friction power", mean, "W", film)
+        mean, course = (
+            mean_over(run.results.time, power),
+            run.course(film, "friction_power", mean_over),
+        )
+        label = "mean friction power"
+        yield Measure("mean_friction_power_w", label, mean, "W", film, course=course)
     share, area = contact_share(run.results, film), run.values(film, "contact_area_fraction")
     if share is not None:
         label = "friction work by asperity contact"
@@ -222,7 +287,7 @@ def _of_film(run: _Run, film: str) -> Iterator[Measure]:
         yield Measure("contact_share", label, share, "1", film, note=note, shown=shown)
     if area is not None and area.max() > 0.0:
         what = "skirt" if run.values(film, "friction_torque") is None else "bearing"
-        words = {"before": "on at most", "note": f"of the {what}"}
+        words: dict[str, Any] = {"before": "on at most", "note": f"of the {what}"}
         row = int(area.argmax())
         yield Measure(
             "contact_area", "area of contact", float(area[row]), "1", film, row, None, **words
@@ -264,13 +329,14 @@ def _peaks(run, film) -> Iterator[Measure]:
 
 def _of_friction(run: _Run) -> Iterator[Measure]:
     """Yield the friction of all films."""
-    power = friction_power(run.results)
-    if power is not None and len(power) > 1:
-        mean = mean_over(run.results.time, power)
-        yield Measure("mean_friction_power_w", "mean friction power", mean, "W", before="mean")
+    power, whole = friction_power(run.results), friction_power(run.results.whole)
+    if power is None or whole is None or len(power) < 2:
+        return
+    mean = mean_over(run.results.time, power)
+    words: dict[str, Any] = {"before": "mean", "course": Course(whole, mean_over)}
+    yield Measure("mean_friction_power_w", "mean friction power", mean, "W", **words)
     pressure, crank = friction_pressure(run.results), crank_angle(run.results)
-    if pressure is not None:
-        assert crank is not None  # friction_pressure needs it
+    if pressure is not None and crank is not None:
         begin, *_, end = np.degrees(crank.angle)
         yield Measure(
             "friction_mean_effective_pressure_pa",
@@ -279,6 +345,7 @@ def _of_friction(run: _Run) -> Iterator[Measure]:
             "Pa",
             before="FMEP",
             note=f"over {end - begin:.4g} deg",
+            course=Course(whole, of_work(pressure, run.results.time, power)),
         )
 
 
@@ -291,14 +358,18 @@ def _of_body(run: _Run, body: str, film: str) -> Iterator[Measure]:
         if force is not None:
             row = int(np.abs(force).argmax())
             side = "thrust" if force[row] >= 0.0 else "anti-thrust"
-            words = {"before": before, "note": f"on the {side} side {run.at(row)}"}
+            words: dict[str, Any] = {"before": before, "note": f"on the {side} side {run.at(row)}"}
+            words["course"] = run.course(body, output, of_extreme(largest))
             size = float(abs(force[row]))
+            demand = run.values(body, "side_force_demand")
+            words["scale"] = None if demand is None else abs(size - largest(demand))
             yield Measure(f"{output}_n", label, size, "N", body, row, None, **words)
     found = impacts(run.results, body)
     if found is not None:
         worst = max(found, key=lambda impact: impact.loss, default=None)
         size, row = (worst.loss, worst.row) if worst else (0.0, None)
         words = {"note": _slap(run, worst, film)} if worst else {"shown": NO_IMPACT}
+        words["course"] = run.course(body, "piston_kinetic_energy", hardest)
         label = "energy lost in the hardest impact"
         yield Measure("slap_energy_j", label, size, "J", body, row, None, **words)
     for output, label, unit in (
@@ -308,15 +379,16 @@ def _of_body(run: _Run, body: str, film: str) -> Iterator[Measure]:
         values = run.values(body, output)
         if values is None:
             continue
-        low, high = int(values.argmin()), int(values.argmax())
-        for word, row in (("minimum", low), ("maximum", high)):
-            key, what = f"{word}_{output}_{unit}", f"{word} {label}"
-            yield Measure(key, what, float(values[row]), unit, body, row)
-        size = float(values[high] - values[low])
-        yield Measure(f"{output}_range_{unit}", f"range of {label}", size, unit, body)
-        row = int(np.abs(values).argmax())
-        size = float(abs(values[row]))
-        yield Measure(f"largest_{output}_{unit}", f"largest {label}", size, unit, body, row)
+        for word, row, reduce in (
+            ("minimum", int(values.argmin()), np.min),
+            ("maximum", int(values.argmax()), np.max),
+            ("range of", None, np.ptp),
+            ("largest", int(np.abs(values).argmax()), largest),
+        ):
+            key = f"{word.removesuffix(' of')}_{output}_{unit}"
+            course = run.course(body, output, of_extreme(reduce))
+            size = float(reduce(values))
+            yield Measure(key, f"{word} {label}", size, unit, body, row, course=course)
 
 
 def _slap(run, impact, film):

@@ -12,7 +12,8 @@ import numpy as np
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
 from ..results.file import Results
-from .measures import NO_IMPACT, Measure, Measures, display_unit, value_text, without_trace
+from .measures import NO_IMPACT, Measure, Measures, value_text, without_trace
+from .uncertainty import display_unit
 
 LEAST_CHANGE = 0.005
 """Relative change below which the sentence names no change."""
@@ -117,10 +118,10 @@ def _of_motion(table) -> Iterator[Measure]:
     """Yield FMEP, side force, impacts and motion. For one film, yield contact and oil."""
     if pressure := table.of("friction_mean_effective_pressure_pa"):
         yield replace(pressure, note="")
-    keys = ("side_force_n", "slap_energy_j", "lateral_displacement_range_m")
+    keys = ("side_force_n", "slap_energy_j", "range_lateral_displacement_m")
     for body in table.bodies:
         named = f", {body}" if len(table.bodies) > 1 else ""
-        for key in (*keys, "rocking_angle_range_rad"):
+        for key in (*keys, "range_rocking_angle_rad"):
             one = table.of(key, body)
             if one and one.shown != NO_IMPACT:
                 yield replace(one, label=f"{one.label}{named}", note="")

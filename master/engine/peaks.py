@@ -1,5 +1,6 @@
-"""Position of the pressure peak around the skirt, relative to the thrust line."""
+"""Pressure peak: position around the skirt relative to the thrust line, and width in cells."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -89,3 +90,28 @@ def _side_peak(side, distance, around):
         float(counted[loaded].mean()),
         int(loaded.sum()),
     )
+
+
+class Widths(NamedTuple):
+    """Width of a peak in cells."""
+
+    around: int
+    along: int
+
+
+def peak_width(field: np.ndarray, index: Sequence[int]) -> Widths:
+    """Return the width of a peak in cells, around (a ring) and along.
+
+    The cells have at least half of the value at `index`.
+    """
+    i, j = index
+    high = field >= field[i, j] / 2
+    ring = np.roll(high[:, j], -i)
+    line = high[i]
+    around = len(ring) if ring.all() else run_length(ring) + run_length(ring[::-1])
+    return Widths(around, run_length(line[j:]) + run_length(line[: j + 1][::-1]) - 1)
+
+
+def run_length(flags: np.ndarray) -> int:
+    """Return the number of true values before the first false one."""
+    return len(flags) if flags.all() else int(np.argmin(flags))

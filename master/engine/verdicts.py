@@ -1,6 +1,5 @@
 """Checks of a finished run against limits, with the positions of the extreme values."""
 
-from collections.abc import Sequence
 from functools import partial
 from itertools import chain
 from typing import Any, Literal, NamedTuple
@@ -11,7 +10,9 @@ from ..case.contract import players
 from ..fmi.quantities import short, to_si
 from ..results.file import Results
 from ..results.instants import instant_text
+from .indicator import bdf2_error
 from .measures import Measures
+from .peaks import peak_width, run_length
 from .places import film_body
 
 LAMBDA_AMBER, LAMBDA_RED = 3.0, 1.0
@@ -282,7 +283,7 @@ def _of_grid(results, name):
         fractions = results.dataset(fraction)[:]
         row = fractions[instant, cell[0]]
         full = row >= 1.0
-        length = _run(full[cell[1] :]) + _run(full[: cell[1] + 1][::-1]) - 1
+        length = run_length(full[cell[1] :]) + run_length(full[: cell[1] + 1][::-1]) - 1
         if not full[[0, -1]].any() and 0 < length < ZONE:
             colours.append("amber")
             remarks.append(f"The full film at the peak is {length} cells long (minimum {ZONE})")
@@ -293,31 +294,6 @@ def _of_grid(results, name):
             cells = "cell" if thin == 1 else "cells"
             remarks.append(f"An opening in the film is {thin} {cells} wide (minimum {OPENING})")
     yield Verdict(max(colours, key=RANK.index), "grid", " ".join(f"{one}." for one in remarks))
-
-
-class Widths(NamedTuple):
-    """Width of a peak in cells."""
-
-    around: int
-    along: int
-
-
-def peak_width(field: np.ndarray, index: Sequence[int]) -> Widths:
-    """Return the width of a peak in cells, around (a ring) and along.
-
-    The cells have at least half of the value at `index`.
-    """
-    i, j = index
-    high = field >= field[i, j] / 2
-    ring = np.roll(high[:, j], -i)
-    line = high[i]
-    around = len(ring) if ring.all() else _run(ring) + _run(ring[::-1])
-    return Widths(around, _run(line[j:]) + _run(line[: j + 1][::-1]) - 1)
-
-
-def _run(flags):
-    """Return the number of true values before the first false one."""
-    return len(flags) if flags.all() else int(np.argmin(flags))
 
 
 def without_film(pressure: np.ndarray, fraction: np.ndarray) -> np.ndarray:
@@ -376,20 +352,3 @@ def _of_play(results, name):
             f"{_percent(error / size)} of the range of {short(size, 'm')} "
             f"(limit {_percent(PLAY_AMBER)}).",
         )
-
-
-def bdf2_error(time: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return the local error of variable-step BDF2 from the fourth value on.
-
-    Eq. (X26):  e_n = H_n^2 (H_n + H_{n-1})^2 x'''/(6 (2 H_n + H_{n-1})),   x'''/6 by differences
-
-    Parameters
-    ----------
-    time, values : ndarray, shape (n,)
-        [s], and x.
-    """
-    slope = np.diff(values) / np.diff(time)
-    curvature = np.diff(slope) / (time[2:] - time[:-2])
-    third = np.diff(curvature) / (time[3:] - time[:-3])
-    step, both = time[3:] - time[2:-1], time[3:] - time[1:-2]
-    return (step * both) ** 2 * third / (step + both)  # Eq. (X26)

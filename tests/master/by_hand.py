@@ -28,7 +28,7 @@ class InMemory:
         self.known, self.fields, self.case = dict(series), dict(fields), case
         self.summary, self.envelopes = {}, {}
         self.envelope = self.envelopes.get
-        self.last = self
+        self.last = self.whole = self
 
     ports = property(lambda self: list(self.known))
     recorded = property(lambda self: list(self.fields))

@@ -1,0 +1,82 @@
+"""Uncertainty of a figure: its parts, the rule that combines them, and its text.
+
+Eq. (X47):  u = sqrt(u_grid^2 + u_step^2 + u_modes^2 + u_period^2)
+
+The parts have different causes and no common sign, so their squares add up. A part that is unknown
+is missing, and the text names the largest known one.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import floor, hypot, log10
+
+from ..results.pictures import handy_unit, scaled
+
+DISPLAYED = {"1": (100.0, "%"), "m3": (1e9, "mm³"), "rad": (57.29577951308232, "deg")}
+"""SI unit -> factor to the displayed unit, and its label."""
+TWO_DIGITS = 3.55
+"""Leading digits of an uncertainty up to which it has two digits, as in the tables of the Particle
+Data Group. A larger one has one digit."""
+DIVERGES = "does not converge with the grid"
+"""Reason of a missing uncertainty that is printed with the figure."""
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Uncertainty of a figure.
+
+    Parameters
+    ----------
+    value : float or None
+        In the SI unit of the figure, None if it is unknown.
+    contributor : str
+        "grid", "step", "modes" or "period": the largest part.
+    reason : str
+        Why it is unknown.
+    """
+
+    value: float | None = None
+    contributor: str = ""
+    reason: str = "the run has no data for an estimate"
+
+
+UNKNOWN = Uncertainty()
+CAUSES = ("grid", "step", "modes", "period")
+
+
+def entry_of(cause: str, name: str) -> str:
+    """Return the summary entry of a part of the uncertainty of a measure."""
+    return f"uncertainty_{cause}_{name}"
+
+
+def combined(parts: Mapping[str, float]) -> Uncertainty:
+    """Return the uncertainty of parts by cause, unknown without any part."""
+    if not parts:
+        return UNKNOWN
+    largest = max(parts, key=lambda cause: abs(parts[cause]))
+    return Uncertainty(hypot(*parts.values()), largest, "")  # Eq. (X47)
+
+
+def display_unit(unit: str, largest: float) -> tuple[float, str]:
+    """Return the factor from an SI unit to one that suits a value, and the label of that unit."""
+    if unit in DISPLAYED:
+        return DISPLAYED[unit]
+    factor, label = scaled(1.0, unit, handy_unit(unit, largest))
+    return float(factor), label
+
+
+def spread_text(value: float, spread: float, unit: str) -> str:
+    """Return a value with its uncertainty, "2.17 +- 0.08 um": both end with the same digit."""
+    factor, label = display_unit(unit, max(abs(value), spread))
+    text = numbers_text(factor * value, factor * spread)
+    return f"{text} {label}".rstrip()
+
+
+def numbers_text(value: float, spread: float) -> str:
+    """Return two numbers of one unit as "2.17 +- 0.08"."""
+    if not spread > 0.0:
+        return f"{value:.3g}"
+    power = floor(log10(spread))
+    places = -power + (spread / 10.0**power < TWO_DIGITS)
+    shown = [f"{round(number, places):.{max(places, 0)}f}" for number in (value, spread)]
+    return " +- ".join(shown)

@@ -1,0 +1,214 @@
+"""Uncertainty of figures: values by hand of its parts, its text, and the trees of further runs."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.engine.indicator import (
+    Course,
+    Indicator,
+    carrying,
+    hardest,
+    of_extreme,
+    of_work,
+    resolution,
+)
+from piston_cosim.master.engine.measures import Measure, Measures, measures
+from piston_cosim.master.engine.uncertainty import (
+    DIVERGES,
+    Uncertainty,
+    combined,
+    numbers_text,
+    spread_text,
+)
+from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.runs import uncertainty as further
+
+from .by_hand import InMemory
+
+
+@pytest.mark.parametrize(
+    "value, spread, text",
+    [
+        (2.1678, 0.0812, "2.17 +- 0.08"),
+        (2.1678, 0.0354, "2.168 +- 0.035"),
+        (2.1678, 0.0356, "2.17 +- 0.04"),
+        (217.79, 13.4, "218 +- 13"),
+        (4457.1, 152.0, "4460 +- 150"),
+        (1.69, 2.81, "1.7 +- 2.8"),
+        (0.5, 12.0, "0 +- 12"),
+        (3.14159, 0.0, "3.14"),
+    ],
+)
+def test_both_numbers_end_with_the_same_digit(value, spread, text):
+    assert numbers_text(value, spread) == text
+
+
+@pytest.mark.parametrize(
+    "value, spread, unit, text",
+    [
+        (2.17e-6, 8e-8, "m", "2.17 +- 0.08 µm"),
+        (1.3e8, 2e7, "Pa", "130 +- 20 MPa"),
+        (0.04, 0.0012, "1", "4.00 +- 0.12 %"),
+        (4.457e-6, 1.5e-8, "m3", "4457 +- 15 mm³"),
+        (np.radians(0.1), np.radians(0.02), "rad", "0.100 +- 0.020 deg"),
+    ],
+)
+def test_units_of_the_text(value, spread, unit, text):
+    assert spread_text(value, spread, unit) == text
+
+
+def test_parts_add_as_squares_and_the_largest_is_named():
+    found = combined({"grid": 3.0, "step": -4.0})
+    assert (found.value, found.contributor, found.reason) == (5.0, "step", "")
+    assert combined({}).value is None and combined({}).reason
+
+
+def test_a_figure_that_diverges_says_so():
+    pressure = Measure("maximum_pressure_pa", "maximum pressure", 9.28e7, "Pa")
+    assert pressure.figure == "92.8 MPa"
+    diverging = Uncertainty(None, "grid", DIVERGES)
+    shown = Measure("p", "p", 9.28e7, "Pa", uncertainty=diverging).figure
+    assert shown == "92.8 MPa (does not converge with the grid)"
+
+
+def film_run(gap, pressure, time=(0.0, 1.0), period=0.0, **series):
+    """Results of one film on one body, with fields at two instants."""
+    participants = {
+        "ehd": {"role": "lubrication", "parameters": {"skirt_length": "40 mm"}},
+        "bodies": {"role": "bodies"},
+    }
+    wires = [{"from": "bodies.film_thickness", "to": "ehd.film_thickness"}]
+    fields = {
+        "bodies.film_thickness": ([np.full_like(gap, 1.0), gap], "m"),
+        "ehd.pressure": ([np.zeros_like(pressure), pressure], "Pa"),
+    }
+    case = {"participants": participants, "wires": wires}
+    found = InMemory(list(time), series, fields, case)
+    found.period = period
+    return found
+
+
+def test_resolution_by_hand():
+    """The film is 1 µm in a cell, 3 µm next to it around and 2 and 4 µm along.
+
+    Its bend is (3 + 3)/2 - 1 + (2 + 4)/2 - 1 = 4, so the uncertainty is 0.3 x 4 µm. The pressure
+    is half of its maximum next to it, which is 1 in both directions, so that it is 0.24 of it.
+    """
+    gap, pressure = np.full((6, 5), 9e-6), np.zeros((6, 5))
+    gap[0, 2] = 1e-6
+    gap[1, 2] = gap[5, 2] = 3e-6  # across the seam of the ring
+    gap[0, 1], gap[0, 3] = 2e-6, 4e-6
+    pressure[0, 2] = 2e6
+    pressure[[1, 5, 0, 0], [2, 2, 1, 3]] = 1e6
+    found = resolution(film_run(gap, pressure), "ehd")
+    assert found is not None
+    assert found.film == pytest.approx(1.2e-6, rel=1e-12)
+    assert found.pressure == pytest.approx(0.24, rel=1e-12)
+    assert (found.thickness, found.cells, found.length) == (1e-6, 30, pytest.approx(0.04))
+    assert not found.narrow  # three cells have half of the maximum
+    # 2 + 4 x 1 MPa: (4, 1, 1) around and along, whose squares sum to 18 of 36
+    assert found.load == pytest.approx(2 * 0.5**2, rel=1e-12)
+
+
+def test_a_narrow_peak_at_the_edge_does_not_converge():
+    gap, pressure = np.full((6, 5), 9e-6), np.zeros((6, 5))
+    pressure[2, 4] = 1e6
+    found = resolution(film_run(gap, pressure), "ehd")
+    assert found is not None and found.narrow
+
+
+def test_cells_that_carry_a_uniform_load():
+    assert carrying(np.zeros((1, 8, 4))) == 0.0
+    pressure = np.zeros((2, 8, 4))
+    pressure[1, :4, 1:3] = 1.0
+    assert carrying(pressure) == pytest.approx(1 / 16 + 1 / 4)
+
+
+def test_parts_of_step_and_period_by_hand():
+    """Two periods of four steps; the maximum is 5 in the first one and 7 in the second one.
+
+    Every second row of the last one has 6 at most. The third differences are zero but for the rows
+    of the extreme, which are beyond a measure without a row.
+    """
+    values = np.array([0.0, 5.0, 1.0, 0.0, 0.0, 7.0, 6.0, 0.0, 0.0])
+    time = np.arange(9.0)
+    whole = film_run(np.ones((4, 4)), np.ones((4, 4)), time, 4.0)
+    last = film_run(np.ones((4, 4)), np.ones((4, 4)), time[4:], 4.0)
+    last.whole = whole
+    indicator = Indicator(last, ["ehd"])
+    course = Course(values, of_extreme(np.max))
+    found = indicator.parts(Measure("m", "m", 7.0, "1", "ehd", course=course))
+    assert found == {"step": 1.0, "period": 2.0}
+
+
+def test_a_run_of_one_period_has_no_part_of_the_period():
+    time = np.arange(5.0)
+    one = film_run(np.ones((4, 4)), np.ones((4, 4)), time, 4.0)
+    course = Course(time, of_extreme(np.max))
+    found = Indicator(one, ["ehd"]).parts(Measure("m", "m", 4.0, "1", "ehd", course=course))
+    assert found == {"step": 0.0}
+
+
+def test_reductions_by_hand():
+    time, power = np.array([0.0, 1.0, 3.0]), np.array([0.0, 2.0, 4.0])
+    half = of_work(10.0, time, power)
+    assert half(time, power / 2) == pytest.approx(5.0)
+    energy = np.array([0.0, 3.0, 1.0, 2.0, 1.5])
+    assert hardest(time, energy) == pytest.approx(2.0)
+    assert hardest(time, np.zeros(5)) == 0.0
+
+
+def test_an_unrecorded_film_is_a_reason(tmp_path):
+    run = film_run(np.ones((4, 4)), np.ones((4, 4)))
+    run.fields.clear()
+    run.known["ehd.minimum_film_thickness"] = ([2e-6, 1e-6], "m")
+    case = SimpleNamespace(axes_of=lambda port: None)
+    film = measures(case, run).of("minimum_film_thickness_m", "ehd")
+    assert film.uncertainty.value is None
+    assert film.uncertainty.reason == ("record.fields lacks ehd.pressure and bodies.film_thickness")
+
+
+def test_differences_of_further_runs_by_hand():
+    """The figure is 10, 12 on the second grid, and 13 there with doubled steps: 6 and 1.25."""
+
+    def table(value):
+        return Measures(all=[Measure("slap_energy_j", "slap", value, "J", "bodies")])
+
+    found = further.differences(table(10.0), table(12.0), table(13.0))
+    assert found == {
+        "uncertainty_grid_slap_energy_j_bodies": 6.0,
+        "uncertainty_step_slap_energy_j_bodies": 1.25,
+    }
+
+
+def test_trees_of_further_runs():
+    tree = read_tree(find_case("data_sheet"))
+    second = further.coarser(tree)
+    third = further.longer(second)
+    grids = [one["build"]["grid"] for one in third["participants"].values() if "build" in one]
+    assert grids == [[28, 28], [28, 28]]
+    assert third["time"]["step"] == "2 deg" and second["time"]["step"] == "1 deg"
+    assert tree["participants"]["ehd"]["build"]["grid"] == [40, 40]
+    del tree["participants"]["ehd"]["build"]["grid"]
+    with pytest.raises(BadInput, match="expected a film with build.grid"):
+        further.coarser(tree)
+
+
+def test_further_runs_continue_from_the_settled_state(tmp_path):
+    """Three periods of a run allow two, after a quarter in which the film forgets its start."""
+    names = ("crank_angle", "rotation_speed", "lateral_displacement", "rocking_angle")
+    known = {f"bodies.{name}": ([0.0, float(k)], "1") for k, name in enumerate(names)}
+    run = InMemory([0.0, 1.0], known)
+    run.summary = {"periods": 3}
+    tree = read_tree(find_case("data_sheet"), [("time.until_periodic", 1e-3)])
+    made = further.continued(tree, run, tmp_path)
+    assert made["time"]["stop"] == "1620 deg"
+    start = json.loads((tmp_path / "bodies.json").read_text())
+    assert start == {name: float(k) for k, name in enumerate(names)}
+    assert made["participants"]["bodies"]["build"]["start"] == str(tmp_path / "bodies.json")
+    run.summary = {"periods": 1}
+    assert further.continued(tree, run, tmp_path) is tree
