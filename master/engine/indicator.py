@@ -283,6 +283,7 @@ class Indicator:
         first = self._previous(rows)
         if first is not None:
             before = slice(first, len(time) - count + 1)
+            # Eq. (X51)
             found["period"] = abs(figure - course.reduce(time[before], course.values[before]))
         return found
 
