@@ -35,6 +35,7 @@ from .dynamics.block_force import BlockForce
 from .dynamics.carrier import FIXED, carrier_from
 from .dynamics.contradictions import FAULT, FAULTS, check
 from .dynamics.drive import Scalars
+from .dynamics.element_laws import SWITCHES
 from .dynamics.generalised_alpha import coefficients
 from .dynamics.half_films import check_even, check_half
 from .dynamics.instant import of_bearings
@@ -234,7 +235,8 @@ def given(slave: Any) -> np.ndarray:
     if wrong := body_faults(bodies, options):
         raise BadInput(wrong)
     setup = setup_of(bodies, options, NEEDS)
-    model = assembled(setup, settings_of(replace(NEEDS, film_symmetry="none")))
+    needs = settings_of(replace(NEEDS, film_symmetry="none"))
+    model = assembled(setup, needs._replace(**dict.fromkeys(SWITCHES, 1.0)))
     n = coordinates_of(model)
     begin, joints = options.start, model.parts.chain.joints.tip.shape[1] - RIGID
     given = NativeSetup(

@@ -5,7 +5,7 @@ shapes.
 """
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,7 +27,14 @@ from .dynamics.build_options import BuildOptions
 from .dynamics.clearance import bore_shape, skirt_gap
 from .dynamics.contradictions import pin_radius
 from .dynamics.model_faults import faults
-from .dynamics.parameters import CRANK_PARAMETERS, AxisParameters, Parameters, settings_of
+from .dynamics.parameters import (
+    CRANK_PARAMETERS,
+    ELEMENT_PARAMETERS,
+    AxisParameters,
+    Parameters,
+    settings_of,
+    taken,
+)
 from .dynamics.pin_axis import pin_beam, pin_span
 from .dynamics.thermal_growth import Radii
 from .finite_elements.connections import aspect_ratios
@@ -100,9 +107,9 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         tables = read_tables(build)
     except BadInput as error:
         return Preview(faults=error.faults)
-    known = {one.name for one in fields(Parameters)}
     given = {name: value for name, value in parameters.items() if value is not None}
-    chosen = Parameters(**{name: value for name, value in given.items() if name in known})
+    chosen = taken(Parameters, given)
+    elements = tuple(taken(kind, given) for kind in ELEMENT_PARAMETERS)
     wrong: list[str] = []
     warnings: list[str] = []
     piston = _tried(_piston, build, wrong, warnings)
@@ -128,7 +135,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     if None not in parameters.values():
         radii = {"small_end": eye.radius} if eye else {}
         rigid = ReducedBodies(piston.body, block.body)
-        wrong += faults(rigid, prepared, chosen, OwnParameters(axis=axis), radii)
+        wrong += faults(rigid, prepared, chosen, OwnParameters(axis=axis, elements=elements), radii)
     figures = [
         *_of_piston(build, piston),
         *_of_films(prepared, piston, chosen, given),
@@ -348,8 +355,7 @@ def _axis(prepared: BuildOptions, given: dict[str, Any], build: Build) -> AxisPa
     pin = prepared.floating_pin
     if pin is None or not pin.pin_shapes or (build.floating_pin and build.floating_pin.boss_modes):
         return None
-    known = {one.name for one in fields(AxisParameters)}
-    return AxisParameters(**{name: value for name, value in given.items() if name in known})
+    return taken(AxisParameters, given)
 
 
 def _of_axis(

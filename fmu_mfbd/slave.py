@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from pythonfmu.enums import Fmi2Status
@@ -29,6 +29,7 @@ from .dynamics.model import (
 from .dynamics.model_faults import faults
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
+    ELEMENT_PARAMETERS,
     REFERENCE,
     TUNABLE,
     WALL_PARAMETERS,
@@ -37,6 +38,7 @@ from .dynamics.parameters import (
     Parameters,
     PinParameters,
     SpaceParameters,
+    taken,
 )
 from .dynamics.piston_motion import RIGID
 from .dynamics.state import PistonState
@@ -54,7 +56,6 @@ from .variables import (
     fixed_walls,
 )
 
-Kind = TypeVar("Kind")
 BORE = "bore_deflection"
 """Of a bore that deflects from outside."""
 
@@ -115,17 +116,18 @@ class Mfbd(FieldSlave):
         """
         options = self.built
         self._warned = ""
-        parameters = _taken(Parameters, values)
+        parameters = taken(Parameters, values)
         pin = options.floating_pin
         films = options.crank_surfaces()
         own = OwnParameters(
-            _taken(PinParameters, values) if pin else None,
-            _taken(AxisParameters, values) if pin and pin.pin_shapes else None,
-            {name: _taken(CRANK_PARAMETERS[name], values) for name in films},
-            _taken(SpaceParameters, values) if options.in_space else None,
+            taken(PinParameters, values) if pin else None,
+            taken(AxisParameters, values) if pin and pin.pin_shapes else None,
+            {name: taken(CRANK_PARAMETERS[name], values) for name in films},
+            taken(SpaceParameters, values) if options.in_space else None,
             tuple(
-                _taken(WALL_PARAMETERS[name], values) for name in fixed_walls(options.temperatures)
+                taken(WALL_PARAMETERS[name], values) for name in fixed_walls(options.temperatures)
             ),
+            tuple(taken(kind, values) for kind in ELEMENT_PARAMETERS),
         )
         bodies = load_bodies(self.resources, options)
         if wrong := faults(bodies, options, parameters, own):
@@ -252,11 +254,6 @@ class Mfbd(FieldSlave):
     def _stacked(self, values: dict[str, Any], name: str) -> np.ndarray:
         """Return a field of all film surfaces, their cells one after another."""
         return np.concatenate([values[field].ravel() for field in self.force_fields[name]])
-
-
-def _taken(kind: type[Kind], values: dict[str, Any]) -> Kind:
-    """Return the parameters of a class."""
-    return kind(**{name: values[name] for name in vars(kind())})
 
 
 def _rings(values: dict[str, Any]) -> RingForce:

@@ -12,6 +12,7 @@ from .dynamics.drive import Scalars
 from .dynamics.model import OIL
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
+    ELEMENT_PARAMETERS,
     REFERENCE,
     TUNABLE,
     WALL_PARAMETERS,
@@ -434,11 +435,11 @@ def bore_outputs(grid: BoreGrid) -> list[Variable]:
 
 
 def parameters(*own: type, starts: Mapping[str, float] | None = None) -> list[Variable]:
-    """Return the parameters of `Parameters` and of further classes, e.g. `PinParameters`.
+    """Return the parameters of `Parameters`, of force elements, and of own classes.
 
-    `starts` are start values that replace defaults.
+    `own` are e.g. `PinParameters`. `starts` are start values that replace defaults.
     """
-    kinds = [Parameters, *own]
+    kinds = [Parameters, *ELEMENT_PARAMETERS, *own]
     defaults = {name: value for kind in kinds for name, value in vars(kind()).items()}
     defaults |= starts or {}
     return [

@@ -34,5 +34,6 @@ speed_table        crank speed given (I)
 start_state        start where another run stood
 parameters         what a user may set
 build_options      what is decided when the FMU is built
+element_laws       force elements for these parameters
 assembly           from bodies and parameters to the model
 """

@@ -28,6 +28,7 @@ from .bore_from_outside import outside_bore
 from .build_options import BuildOptions
 from .clearance import machined, surfaces
 from .contradictions import Fit, pin_radius
+from .element_laws import cylinder_laws
 from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, bore_wall
 from .half_films import half_films, is_halved
@@ -89,7 +90,7 @@ class OwnParameters(NamedTuple):
     """Parameters of single parts in addition to `Parameters`, None or empty if there is none.
 
     They are those of a floating pin, of one with shapes, of each film of the crank, of a motion in
-    space, and of the temperatures of walls.
+    space, of the temperatures of walls, and of all force elements.
     """
 
     pin: PinParameters | None = None
@@ -97,6 +98,7 @@ class OwnParameters(NamedTuple):
     crank: CrankParameters = {}
     space: SpaceParameters | None = None
     walls: tuple[Any, ...] = ()
+    elements: tuple[Any, ...] = ()
 
     def of_pin(self) -> list[PinParameters | AxisParameters]:
         """Return those of the pin that exist."""
@@ -259,6 +261,7 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         n,
         setup.big_end_modes,
         setup.main_bearing_modes,
+        cylinder_laws(p),
     )
     chain = cylinder_chain(cylinder)
     kinds = integrators(cylinder, chain)
@@ -361,10 +364,9 @@ def assemble(
     block: ReducedBlock,
     options: BuildOptions,
     parameters: Parameters,
-    walls: tuple[Any, ...] = (),
+    own: OwnParameters = NO_OWN,
 ) -> PistonInBore:
-    """Return the model of a piston on a tied pin; `walls` as of `OwnParameters`."""
-    own = NO_OWN._replace(walls=walls)
+    """Return the model of a piston on a tied pin."""
     return assemble_films(ReducedBodies(piston, block), options, parameters, own)
 
 
@@ -384,7 +386,7 @@ def model_of(
 ) -> PistonInBore:
     """Return the model of an FMU, with all parts of its options."""
     if own.space:
-        return assemble_in_space(bodies, options, parameters, own.space, own.walls)
+        return assemble_in_space(bodies, options, parameters, own.space, own)
     return assemble_films(bodies, options, parameters, own)
 
 
@@ -393,7 +395,7 @@ def assemble_films(
 ) -> PistonInBore:
     """Return the model of a piston on a tied or floating pin, with all films of pin and crank."""
     setup = setup_of(bodies, options, parameters)
-    p = settings_of(parameters, *own.of_pin(), *own.crank.values(), *own.walls)
+    p = settings_of(parameters, *own.of_pin(), *own.crank.values(), *own.walls, *own.elements)
     return _in_bore(assembled(setup, p), bodies.block, options)
 
 
@@ -402,7 +404,7 @@ def assemble_in_space(
     options: BuildOptions,
     parameters: Parameters,
     space: SpaceParameters,
-    walls: tuple[Any, ...] = (),
+    own: OwnParameters = NO_OWN,
 ) -> PistonInSpace:
     """Return the model of a rigid piston that moves in space.
 
@@ -412,7 +414,7 @@ def assemble_in_space(
     """
     assert options.in_space
     piston = bodies.piston
-    planar = assemble(piston, bodies.block, options, parameters, walls)
+    planar = assemble(piston, bodies.block, options, parameters, own)
     S_x, S_y = piston.S
     body = SpaceBody(
         piston.mass, np.array([S_x, S_y, options.in_space.first_moment_z]), options.in_space.inertia

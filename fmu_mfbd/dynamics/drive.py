@@ -58,6 +58,12 @@ class Scalars(NamedTuple):
         float, "N.m", "Friction moment of the pin on the piston about +z", 0.1
     ]
     pin_friction_power: Annotated[float, "W", "Friction power at the pin", 10.0]
+    element_power: Annotated[
+        float,
+        "W",
+        "Power of all force elements, such as land_contact, on both of their bodies",
+        10.0,
+    ]
     kinetic_energy: Annotated[
         float,
         "J",
@@ -216,6 +222,7 @@ def scalars_of(
         pin_force_y=now.pin_y,
         pin_friction_moment=now.pin_moment,
         pin_friction_power=now.pin_friction_power,
+        element_power=now.element_power,
         kinetic_energy=now.ledger.kinetic,
         piston_kinetic_energy=piston_kinetic_energy(system.chain.bodies, lateral, rocking),
         lower_edge_velocity=lateral - rocking * lower,  # derivative of Eq. (X14)

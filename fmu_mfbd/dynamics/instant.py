@@ -13,6 +13,7 @@ from ..geometry.pin import PinForces
 from ..mechanism.chain import Chain, Loads
 from ..mechanism.cylinder import BODY, EYE, film_of, floats, piston_of
 from ..mechanism.equations import friction_at
+from ..mechanism.laws import from_block, law_power
 from ..mechanism.loads import MOMENT, REACTION
 from ..mechanism.solution import Linearisation, arrow_product, solve_motion
 from .bdf2 import STATIC, auxiliary_after, limit_plays, predicted_of, reach_of
@@ -59,6 +60,8 @@ class Instant(NamedTuple):
         without its own inertia [N m].
     pin_friction_power : float
         What that friction turns into heat [W].
+    element_power : float
+        Of force elements with laws (Eq. (D69)) [W].
     evaluations, tangents, change : int, int, float
         As of `mechanism.solution.ChainSolution`.
     longest_step : float
@@ -88,6 +91,7 @@ class Instant(NamedTuple):
     pin_moment: float
     torque: float
     pin_friction_power: float
+    element_power: float
     evaluations: int
     tangents: int
     change: float
@@ -176,6 +180,7 @@ def end_of_step(
         pin_moment=on_pin[TURN],
         torque=own.torque - on_skirt.on_slopes * upright.lever,
         pin_friction_power=rubbing_power,
+        element_power=law_power(chain, at, loads),
         evaluations=solution.evaluations,
         tangents=solution.tangents,
         change=solution.change,
@@ -208,7 +213,7 @@ def _pin_force(of, loads, own, film_power):
 @compilable
 def _on_block(chain, load, loads, on_block):
     """Return the forces on the block, that of a film in the main bearing to its last digit."""
-    force = block_force(load, on_block)
+    force = block_force(load, from_block(chain, loads), on_block)
     film = film_of(chain, BODY.crank)
     if film < 0:
         return force

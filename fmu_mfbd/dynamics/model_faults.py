@@ -38,6 +38,10 @@ def faults(
     if options.in_space and parameters.crank_free:
         out.append("crank_free: expected 0 with motion in space, got 1")
     modes = len(bodies.block.omega) + len(bodies.piston.omega)
+    for one in own.elements if options.in_space else ():
+        name, value = next(iter(vars(one).items()))
+        if value:
+            out.append(f"{name}: expected 0 with motion in space, got {value:g}")
     if options.in_space and modes:
         out.append(f"motion_in_space: expected rigid bodies, got {modes} modes")
     return out + body_faults(bodies, options)

@@ -1,23 +1,15 @@
 """The parameters of the body FMU: what a user may set."""
 
 from collections import namedtuple
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, TypeVar
 
 from ...master.fmi.symmetry import FILM_SYMMETRIES
+from ..force_elements import FORCE_ELEMENTS
+from ..force_elements.element import declared as _declared
 
-
-def _declared(
-    unit: str,
-    description: str,
-    start: float,
-    minimum: float | None = None,
-    maximum: float | None = None,
-) -> Any:
-    """Declare the default of a parameter with unit, description and range."""
-    metadata = dict(unit=unit, description=description, minimum=minimum, maximum=maximum)
-    return field(default=start, metadata=metadata)
-
+Kind = TypeVar("Kind")
 
 GAS_SOURCES = ("either", "table", "input", "sum")
 """Values of `gas_source`; a native FMU knows them by their numbers from 1 on."""
@@ -352,16 +344,24 @@ CHOICES = {"gas_source": GAS_SOURCES, "film_symmetry": FILM_SYMMETRIES}
 """Values of the parameters that are choices, which kernels know by their numbers from 1 on."""
 WALL_PARAMETERS = {"skirt": SkirtTemperatureParameters, "bore": BoreTemperatureParameters}
 """Wall -> parameters of its temperature."""
+ELEMENT_PARAMETERS = tuple(one.parameters for one in FORCE_ELEMENTS)
+"""Parameters of force elements, which every body FMU has."""
 DECLARED = (
     Parameters,
     PinParameters,
     AxisParameters,
     *CRANK_PARAMETERS.values(),
     *WALL_PARAMETERS.values(),
+    *ELEMENT_PARAMETERS,
 )
 Settings = namedtuple("Settings", (one.name for kind in DECLARED for one in fields(kind)))
 Settings.__annotations__ = dict.fromkeys(Settings._fields, float)
 """`Parameters` and those of pin and crank, as kernels know them: floats, 0 if absent."""
+
+
+def taken(kind: type[Kind], values: Mapping[str, Any]) -> Kind:
+    """Return the parameters of a class from values by name, default where there is none."""
+    return kind(**{name: values[name] for name in vars(kind()) if name in values})
 
 
 def settings_of(*chosen: Any) -> Settings:

@@ -65,11 +65,11 @@ def on_film(surface: PinSurface, forces: PinForces, first: int) -> PinForces:
 
 @compilable
 def forces_of(chain: Chain, load: Load) -> HeldForces:
-    """Return the forces of all elements with a load on the piston and no films of pin and crank."""
+    """Return the forces of skirt and gas, and none of films of pin and crank."""
     out = no_forces(chain)
     for k in range(len(load.modal)):
         out.modal[k] = load.modal[k]
-    skirt = len(out.moment) - 2
+    skirt = len(out.moment) - len(chain.laws.kind) - 2
     out.force[skirt, X], out.force[skirt, Y] = load.lateral, load.axial + load.guided
     out.moment[skirt] = load.moment
     out.force[skirt + 1, Y] = -load.guided
@@ -78,7 +78,7 @@ def forces_of(chain: Chain, load: Load) -> HeldForces:
 
 @compilable
 def held_forces(of: BodySystem, load: Load, forces: PinForces) -> HeldForces:
-    """Return the forces of all elements: films of pin and crank, then skirt and gas.
+    """Return the forces of all elements without laws: films of pin and crank, then skirt and gas.
 
     Parameters
     ----------
@@ -89,10 +89,9 @@ def held_forces(of: BodySystem, load: Load, forces: PinForces) -> HeldForces:
         Of all films of pin and crank, stacked [N].
     """
     elements, m = of.chain.elements, of.chain.joints.tip.shape[1]
-    n = len(elements.acts)
     out = forces_of(of.chain, load)
     cell, slope = 0, 0
-    for e in range(n - 2):
+    for e in range(pins_of(of.pin_surfaces)):
         surface = pin_surface_at(of.pin_surfaces, e)
         own = on_film(surface, forces, cell)
         cell += len(own.pressure)

@@ -9,6 +9,7 @@ from ..geometry.film import FilmForces, NodalForces
 from ..geometry.pin import PinForces
 from ..mechanism.cylinder import piston_of
 from ..mechanism.derivative import pushed_forces
+from ..mechanism.laws import from_block_changes
 from ..mechanism.loads import loads_at
 from ..mechanism.motion import changes_along, motion_changes
 from ..mechanism.solution import Linearisation, solve_coupled
@@ -145,5 +146,5 @@ def response(
         rising,
         on_pins.film_thickness,
         on_pins.sliding_velocity,
-        block_force(change, on_block),
+        block_force(change, from_block_changes(chain, at, last.crank.angle, bodies), on_block),
     )

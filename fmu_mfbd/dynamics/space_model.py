@@ -199,6 +199,7 @@ class PistonInSpace(PistonInBore):
             pin_moment=lack.pin_moment,
             torque=lack.torque - on_grids.on_slopes * upright.lever,
             pin_friction_power=lack.pin_moment * (rod.velocity - end.velocity[ROCKING]),
+            element_power=0.0,
             evaluations=solved.evaluations,
             tangents=solved.tangents,
             change=solved.change,

@@ -4,6 +4,7 @@ chain      bodies, joints and force elements as tables
 motion     motion of all bodies, from the block outwards (K)
 inertia    forces that this motion needs (D)
 loads      loads from forces that turn with a body (D)
+laws       forces that depend on the motion of two bodies, and their derivative (D)
 equations  residual (D)
 derivative its tangent (D)
 solution   accelerations that fulfil the equations (N)

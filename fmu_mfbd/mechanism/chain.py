@@ -132,6 +132,27 @@ class Elements(NamedTuple):
     at_point: Vector
 
 
+class Laws(NamedTuple):
+    """Laws of the last f force elements, whose force depends on the motion of their bodies.
+
+    Parameters
+    ----------
+    kind : ndarray, shape (f,)
+        Number in `FORCE_ELEMENTS`.
+    zero : ndarray, shape (f, 2)
+        Reference point in the axes of the body of the reaction [m].
+    numbers : ndarray, shape (f, p)
+        Parameters of each, and zeros after them.
+    """
+
+    kind: Numbers
+    zero: Matrix
+    numbers: Matrix
+
+
+NO_LAWS = Laws(np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros((0, 0)))
+
+
 class Chain(NamedTuple):
     """Bodies, joints and force elements, and the block that they hang on.
 
@@ -142,6 +163,7 @@ class Chain(NamedTuple):
     bodies : Bodies
     joints : Joints
     elements : Elements
+    laws : Laws
     block : int
         First of the block's coordinates: x, y of the origin and the angle. `NONE`: its motion is
         given.
@@ -152,6 +174,7 @@ class Chain(NamedTuple):
     bodies: Bodies
     joints: Joints
     elements: Elements
+    laws: Laws
     block: int
     mounts: Annotated[np.ndarray, "3, 3, 3"]
 
@@ -171,12 +194,16 @@ class Loads(NamedTuple):
         each element [kg^-1/2 N].
     on_shapes : ndarray, shape (e, n, 2)
         Part of `modal` on the shapes of each element, along x and y of the block [kg^-1/2 N].
+    law_slopes : ndarray, shape (f, 3, 6)
+        Change of the force of each law with the position and angle of its point, and with their
+        rates, in the block's axes.
     """
 
     wrench: Matrix
     modal: Vector
     slopes: Vector = np.zeros(0)
     on_shapes: Annotated[np.ndarray, "e, n, 2"] = np.zeros((0, 0, 2))
+    law_slopes: Annotated[np.ndarray, "f, 3, 6"] = np.zeros((0, 3, 6))
 
 
 # ---- construction by name
@@ -229,7 +256,8 @@ class Link(NamedTuple):
 class Element(NamedTuple):
     """A force between two bodies, or a body and the block.
 
-    Its force and moments are inputs (`Loads`), for example the sum of the nodal forces of a film.
+    Its force and moments are inputs (`Loads`), for example the sum of the nodal forces of a film,
+    or they have a law.
     This tells the tangent how they follow the motion.
 
     Parameters
@@ -298,6 +326,7 @@ def chain_of(
     block: int = NONE,
     mounts: np.ndarray = NO_MOUNTS,
     springs: ModalSprings = NO_SPRINGS,
+    laws: Laws = NO_LAWS,
 ) -> Chain:
     """Return the chain of bodies and force elements with m coordinates of joints and block.
 
@@ -340,4 +369,4 @@ def chain_of(
     points = {name: real(elements, name, (2,)) for name in ("marker", "point")}
     table = Elements(**numbers, **points, at_point=real(elements, "at_point"))
     bodies = stack_bodies([link.body for link in links], springs)
-    return Chain(bodies, joints, table, block, mounts)
+    return Chain(bodies, joints, table, laws, block, mounts)

@@ -27,12 +27,13 @@ from ..dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from ..dynamics.quasi_static import StaticModes
 from ..dynamics.slider_crank import CrankMotion, Mechanism
 from ..geometry.pin import PIN_SURFACES
-from .chain import BLOCK, NONE, Bodies, Chain, Elements, Joints
+from .chain import BLOCK, NONE, Bodies, Chain, Elements, Joints, Laws
 from .derivative import chain_tangent
 from .equations import chain_forces
 from .loads import no_loads
 from .motion import Increments
 
+NO_ELEMENTS = np.zeros(0, np.int64)
 EYE = PIN_SURFACES.index("small_end")
 """Number of the eye's film; those of the bosses come before it, those of the crank after."""
 
@@ -67,6 +68,28 @@ COORDINATES = PIN.spin + 1
 """Those of a floating pin without films of the crank and modes."""
 
 
+class CylinderLaws(NamedTuple):
+    """Force elements of a cylinder that depend on its motion.
+
+    Parameters
+    ----------
+    kind : ndarray, shape (f,)
+        Number in `FORCE_ELEMENTS`.
+    acts, reacts : ndarray, shape (f,)
+        Number in `force_elements.element.BODIES`, or `BLOCK`.
+    height : ndarray, shape (f,)
+        y of the point from the reference point of its body [m].
+    numbers
+        As of `chain.Laws`.
+    """
+
+    kind: np.ndarray
+    acts: np.ndarray
+    reacts: np.ndarray
+    height: np.ndarray
+    numbers: np.ndarray
+
+
 class CylinderParts(NamedTuple):
     """What the chain of a cylinder is made of.
 
@@ -91,6 +114,7 @@ class CylinderParts(NamedTuple):
         Number of modes of the block, and of those without inertia at their end.
     shapes, big_end_modes, main_bearing_modes : int
         Number of shapes along each axis, and of the last modes in `springs`.
+    laws : CylinderLaws
     """
 
     piston: FlexibleBody
@@ -108,11 +132,16 @@ class CylinderParts(NamedTuple):
     shapes: int
     big_end_modes: int
     main_bearing_modes: int
+    laws: CylinderLaws = CylinderLaws(
+        NO_ELEMENTS, NO_ELEMENTS, NO_ELEMENTS, np.zeros(0), np.zeros((0, 0))
+    )
 
 
 @compilable
 def cylinder_chain(c: CylinderParts) -> Chain:
-    """Return the chain of a cylinder on a fixed block: elements of all films, of skirt and gas.
+    """Return the chain of a cylinder on a fixed block.
+
+    Its elements are all films, skirt and gas, and those with laws.
 
     Eq. (K16):  x_S = x_A + a_x - e_x,   Y_A = Y_S + e_y - a_y,   x_P = x_A + a_x
                 of the rod's eye S and the pin P: a = P - A from the bosses, e = P - S from the eye
@@ -121,7 +150,9 @@ def cylinder_chain(c: CylinderParts) -> Chain:
                 bearing, b from the big end
     """
     joints = _joints_of(c)
-    return Chain(_bodies_of(c), joints, _elements_of(c, joints), NONE, np.zeros((3, 3, 3)))
+    elements = _elements_of(c, joints)
+    laws = _put_laws(c, elements)
+    return Chain(_bodies_of(c), joints, elements, laws, NONE, np.zeros((3, 3, 3)))
 
 
 @compilable
@@ -233,10 +264,10 @@ def _joints_of(c):
 
 @compilable
 def _elements_of(c, joints):
-    """Return the force elements: films in the order of their surfaces, then skirt and gas."""
+    """Return the force elements: films in the order of their surfaces, skirt, gas, and laws."""
     of_pin, piston = EYE + 1 if c.floats else 0, _count(c) - 1
     films = of_pin + c.big_end + c.main_bearing
-    n = films + 2
+    n = films + 2 + len(c.laws.kind)
     out = Elements(
         acts=np.full(n, piston),
         reacts=np.full(n, BLOCK),
@@ -281,6 +312,33 @@ def _put_film(out, e, journal, shell, play, mode, modes):
     """Write a film between a journal and the shell that its forces turn with."""
     out.acts[e], out.reacts[e], out.carrier[e], out.axes[e] = journal, shell, shell, shell
     out.play[e], out.mode[e], out.modes[e] = play, mode, modes
+
+
+@compilable
+def _put_laws(c, out):
+    """Write the last elements, which have laws, and return these."""
+    n = len(c.laws.kind)
+    zero = np.empty((n, 2))
+    for k in range(n):
+        e = len(out.acts) - n + k
+        body, x, y = _reference(c, c.laws.acts[k])
+        other, zero[k, X], zero[k, Y] = _reference(c, c.laws.reacts[k])
+        out.acts[e], out.carrier[e], out.reacts[e], out.axes[e] = body, body, other, other
+        out.marker[e, X], out.marker[e, Y] = x, y + c.laws.height[k]
+        out.point[e, X], out.point[e, Y] = x, y + c.laws.height[k]
+    return Laws(c.laws.kind, zero, c.laws.numbers)
+
+
+@compilable
+def _reference(c, body):
+    """Return the number of a body and its reference point, as of `ForceElement`."""
+    if body == BLOCK:
+        return BLOCK, c.mechanism.offset, 0.0
+    if body == BODY.crank:
+        return BODY.crank, 0.0, c.mechanism.crank_radius
+    if body == BODY.rod or (body == BODY.pin and not c.floats):
+        return BODY.rod, 0.0, c.mechanism.rod_length
+    return (BODY.pin if body == BODY.pin else _count(c) - 1), 0.0, 0.0
 
 
 @compilable
@@ -374,6 +432,7 @@ def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
             c.shapes,
             c.big_end_modes,
             c.main_bearing_modes,
+            c.laws,
         )
     )
     m, k = chain.joints.tip.shape[1], len(chain.bodies.stiffness)

@@ -19,6 +19,7 @@ from .equations import (
     subtract_loads,
 )
 from .inertia import ALPHA, AX, AY, W, inertia_changes, shaken_forces
+from .laws import subtract_law_changes
 from .motion import Increments, MotionChanges, chain_motion, motion_changes
 
 
@@ -59,7 +60,7 @@ def chain_derivative(
 
     It is the derivative of both sweeps, for all unknowns at once. The force of an element and that
     on its shapes are constant in the axes of one body, and its moment in these about a point of
-    another, but for slopes.
+    another, but for slopes and laws.
     Coupling of modes among each other (Eq. (D4)) is omitted.
 
     Parameters
@@ -81,6 +82,7 @@ def chain_derivative(
     top = np.zeros((m, change.shape[2]))
     total = _total_change(at, forces.inertia.wrench, d, change)
     _subtract_load_changes(chain.elements, loads.wrench, at, d, change)
+    subtract_law_changes(chain, loads, at, d, change)
     _subtract_modal_changes(chain, loads, now, by, d, changes, total)
     torque = _inward_changes(chain.joints, at, forces.joints, d, change, top)
     for j in range(len(torque)):

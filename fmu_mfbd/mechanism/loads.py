@@ -56,12 +56,13 @@ def no_forces(chain: Chain) -> HeldForces:
 def no_loads(chain: Chain) -> Loads:
     """Return loads of zero."""
     none = no_forces(chain)
-    return Loads(np.zeros((len(none.moment), 4)), none.modal, none.slopes, none.on_shapes)
+    wrench, laws = np.zeros((len(none.moment), 4)), np.zeros((len(chain.laws.kind), 3, 6))
+    return Loads(wrench, none.modal, none.slopes, none.on_shapes, laws)
 
 
 @compilable
 def loads_at(chain: Chain, held: HeldForces, at: ChainMotion, now: Motion) -> Loads:
-    """Return the loads in a motion, linear in the forces.
+    """Return the loads in a motion, linear in the forces. Those of laws are not among them.
 
     Eq. (D65):  M = M_P + d x F + sum_i c_i q_i - sum_k s_k x Q_k,   M_R = -M_P - sum_i c_i q_i
                 M_P the moment about the point P, d from the marker to P, c slopes by modes q
@@ -83,7 +84,8 @@ def loads_at(chain: Chain, held: HeldForces, at: ChainMotion, now: Motion) -> Lo
     elements = chain.elements
     m = chain.joints.tip.shape[1]
     wrench, on_shapes = np.empty((len(elements.acts), 4)), np.empty(held.on_shapes.shape)
-    out = Loads(wrench, held.modal.copy(), held.slopes, on_shapes)
+    laws = np.zeros((len(chain.laws.kind), 3, 6))
+    out = Loads(wrench, held.modal.copy(), held.slopes, on_shapes, laws)
     slope = 0
     for e in range(len(wrench)):
         c, s = 1.0, 0.0

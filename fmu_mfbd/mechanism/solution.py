@@ -20,6 +20,7 @@ from .chain import LEVER, Bodies, Chain, Loads
 from .derivative import chain_derivative
 from .equations import ChainForces, forces_at, point_of
 from .inertia import InertiaForces, coupling_of, frame_state
+from .laws import add_laws, law_sizes
 from .loads import HeldForces, loads_at
 from .motion import ChainMotion, Increments, chain_motion
 
@@ -149,6 +150,7 @@ def solve_motion(
     _move(now, predicted, by, unknown)
     at = chain_motion(chain.joints, now, drive)
     loads = loads_at(chain, held, at, now)
+    add_laws(chain, at, drive.angle, loads)
     forces = forces_at(chain, loads, at, now, given)
     slope = chain_derivative(chain, loads, now, forces, by)
     factors = factorise_chain(slope.arrow)
@@ -159,6 +161,7 @@ def solve_motion(
         if evaluation > 1:
             at = chain_motion(chain.joints, now, drive)
             loads = loads_at(chain, held, at, now)
+            add_laws(chain, at, drive.angle, loads)
             forces = forces_at(chain, loads, at, now, given)
             if evaluation == 2:  # it hardly changes any more
                 noise = ROUND_OFF * _noise(chain, loads, now, forces, slope, by)
@@ -255,18 +258,23 @@ def _sizes(chain, loads, forces):
         push = abs(forces.joints[b, X]) + abs(forces.joints[b, Y])
         out[b, X] = out[b, Y] = bodies.mass[b] * climb
         out[b, TURN] = (f.sx + f.sy) * climb + chain.joints.friction[b, LEVER] * push
+    first = len(loads.wrench) - len(loads.law_slopes)
     for e in range(len(loads.wrench)):
         x, y = abs(loads.wrench[e, X]), abs(loads.wrench[e, Y])
+        turn, back = abs(loads.wrench[e, TURN]), abs(loads.wrench[e, 3])
+        if e >= first:
+            x, y, turn = law_sizes(chain, at, loads, e - first)
+            back = turn
         px, py = point_of(elements, at, e)
         b, other = elements.acts[e], elements.reacts[e]
         out[b, X] += x
         out[b, Y] += y
-        out[b, TURN] += abs(loads.wrench[e, TURN])
+        out[b, TURN] += turn
         out[b, TURN] += abs(px - at.position[b, X]) * y + abs(py - at.position[b, Y]) * x
         if other >= 0:
             out[other, X] += x
             out[other, Y] += y
-            out[other, TURN] += abs(loads.wrench[e, 3])
+            out[other, TURN] += back
             out[other, TURN] += abs(px - at.position[other, X]) * y
             out[other, TURN] += abs(py - at.position[other, Y]) * x
     return out

@@ -66,7 +66,8 @@ OPEN = {
     "products": {"native_dot", "native_times"},
     "participants": {"native_part"},
     "functions": {
-        *("ceil", "erf", "exp", "expm1", "floor", "hypot", "log10", "log1p", "pow", "sqrt", "tanh")
+        *("atan2", "ceil", "erf", "exp", "expm1", "floor", "hypot", "log10", "log1p", "pow"),
+        *("sqrt", "tanh"),
     },
 }
 """All symbols that machine code may use, by purpose: front/runtime.c, front/parts.c, libc and libm.

@@ -340,6 +340,41 @@ class Gas:
 
 
 @dataclass
+class Touching:
+    """Contact of a point of a body with a line of the block, by a spring with [Hunt1975]'s damping.
+
+    height : of the point above the body's origin [m]. offset : x of the line in the block [m].
+    clearance : between them at rest [m]. stiffness : [N/m]. damping : [s/m].
+    """
+
+    body: Body
+    block: Body
+    height: float
+    offset: float
+    clearance: float
+    stiffness: float
+    damping: float
+
+    def forces(self, time, q, v):
+        """Return the generalised forces, and the power."""
+        out = np.zeros(len(q))
+        point, origin = motion(Point(self.body, (0.0, self.height)), q, v), Point(self.block)
+        frame, spin = motion(origin, q, v), v[self.block.first + 2]
+        R = rotation(q[self.block.first + 2])
+        apart = point.place - frame.place
+        sliding = R.T @ (point.velocity - frame.velocity - spin * QUARTER @ apart)
+        x = (R.T @ apart)[0] - self.offset
+        side, depth = np.sign(x), max(abs(x) - self.clearance, 0.0)
+        size = self.stiffness * depth * max(1 + self.damping * side * sliding[0], 0.0)
+        push = -side * size * R[:, 0]
+        for body, sign in ((self.body, 1.0), (self.block, -1.0)):
+            arm = point.place - q[body.first : body.first + 2]
+            out[body.first : body.first + 2] += sign * push
+            out[body.first + 2] += sign * (arm[0] * push[1] - arm[1] * push[0])
+        return out, -side * size * sliding[0]
+
+
+@dataclass
 class Rubbing:
     """Friction between two bodies that a joint presses together.
 

@@ -280,12 +280,16 @@ def tied_crank_model(names=SETS[-1], yielding=False, parameters=PARAMETERS):
     return assemble_films(reduced, built, parameters, own)
 
 
-def outside_model(parameters=PARAMETERS):
-    """Return a model of a floating pin in a mounted block whose bore deflects from outside."""
+def outside_model(parameters=PARAMETERS, elements=()):
+    """Return a model of a floating pin in a mounted block whose bore deflects from outside.
+
+    `elements` are parameters of force elements.
+    """
     block = BlockOptions("", 0, bore_from_outside=BoreGrid(24, 64))
     built = dataclasses.replace(options(True), block=block, mounted=True)
     parameters = dataclasses.replace(parameters, **RINGS)
-    return assemble_films(bodies(), built, parameters, OwnParameters(PinParameters()))
+    own = OwnParameters(PinParameters(), elements=elements)
+    return assemble_films(bodies(), built, parameters, own)
 
 
 RUBBING = dataclasses.replace(PARAMETERS, pin_friction_coefficient=0.05)

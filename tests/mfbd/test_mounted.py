@@ -118,7 +118,7 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
     on_block = [0.0, 0.0, loaded.torque] - needed[3:]
     np.testing.assert_allclose(loaded.on_block, on_block, atol=1e-9 * size)
     # the main bearings carry the crank
-    *_, x, y = block_force(load, loaded.on_block)
+    *_, x, y = block_force(load, np.zeros(2), loaded.on_block)
     np.testing.assert_allclose([x, y], -loaded.joints[BODY.crank, :2], atol=1e-9 * size)
 
 

@@ -170,15 +170,15 @@ def block_of(case):
     )
 
 
-def fmu_model(case, parameters=P):
-    """Return the model of the FMU."""
+def fmu_model(case, parameters=P, elements=()):
+    """Return the model of the FMU; `elements` are parameters of force elements."""
     named = {"radial": FIELDS.radial, "axial": FIELDS.axial, "gas_force": FIELDS.gas_force}
     piston = reduced(piston_body(), named)
     block = block_of(case)
     parts = bodies()._replace(piston=piston, block=block)
     if not case.floats:
         built = dataclasses.replace(options(False), mounted=case.moves)
-        return assemble(piston, block, built, parameters)
+        return assemble(piston, block, built, parameters, OwnParameters(elements=elements))
     stations = np.array([[-1.0], [1.0]]) * np.linspace(0.03, 0.05, PIN_GRID[1])
     parts = parts._replace(bosses=ReducedBosses(FIELDS.outward, FIELDS.onward, stations, 18e-3))
     names = tuple(OWN) if case.crank else ()
@@ -187,7 +187,8 @@ def fmu_model(case, parameters=P):
         parts = parts._replace(shells={"small_end": small_end(SOFT)})
         pin = dataclasses.replace(built.floating_pin, pin_shapes=SHAPES)
         built, axis = dataclasses.replace(built, floating_pin=pin), AXIS
-    own = OwnParameters(PinParameters(), axis, crank={name: OWN[name] for name in names})
+    crank = {name: OWN[name] for name in names}
+    own = OwnParameters(PinParameters(), axis, crank, elements=elements)
     return assemble_films(parts, built, parameters, own)
 
 

@@ -12,6 +12,7 @@ import pytest
 from piston_cosim.fmu_mfbd.build import prepare
 from piston_cosim.fmu_mfbd.dynamics.parameters import (
     CRANK_PARAMETERS,
+    ELEMENT_PARAMETERS,
     NO_GAS_TABLE,
     WALL_PARAMETERS,
     AxisParameters,
@@ -157,6 +158,7 @@ SHAPED = dict(
     bore_growth_lower=-2e-6,
     pin_tilt=2e-4,
 )
+TOUCHING = dict(land_stiffness=1e7, land_damping=0.3, land_clearance=1e-6, land_height=12e-3)
 EDGES = {"skirt": ["120 degC", "150 degC"], "bore": ["90 degC", "130 degC"]}
 TABLE = {"file": "warm.csv", "angle_unit": "deg", "height_unit": "mm", "temperature_unit": "degC"}
 WARM_ROWS = "0, 0, 90, 180, 270\n-100, 90, 100, 90, 105\n300, 120, 140, 120, 130\n"
@@ -226,7 +228,7 @@ def held(found, allowed):
         (SHAPED | LOADED | dict(gas_source=2, quasi_static_frequency=20e3), {"gas": GAS}),
         (SHAPED | LOADED | dict(gas_source=3), {"gas": GAS}),
         (SHAPED, {"grid": [7, 5], "start": "begin.json"}),  # no symmetry; modes that move already
-        (SHAPED | LOADED | dict(crank_unbalance=0.05), {"mounted": True}),
+        (SHAPED | LOADED | TOUCHING | dict(crank_unbalance=0.05), {"mounted": True}),
         (SHAPED, {"grid": [7, 10], "film_surfaces": BANDS_OF_ROWS, "mounted": True}),
         (HALF, {"grid": [10, 10], "film_surfaces": BANDS_OF_ROWS, "mounted": True}),
         # another speed than the input
@@ -267,7 +269,7 @@ def test_parameters_that_do_not_fit_are_told_in_the_words_of_the_slave(told):
 
 def test_every_parameter_is_a_setting():
     kinds = Parameters, PinParameters, AxisParameters
-    of_parts = *CRANK_PARAMETERS.values(), *WALL_PARAMETERS.values()
+    of_parts = *CRANK_PARAMETERS.values(), *WALL_PARAMETERS.values(), *ELEMENT_PARAMETERS
     own = {name for kind in (*kinds, *of_parts) for name in vars(kind())}
     assert set(Settings._fields) == own
 

@@ -14,15 +14,18 @@ import pytest
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
+from piston_cosim.fmu_mfbd.force_elements.land_contact import LandParameters
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces
 
-from .multibody import QUARTER, Rubbing
+from .multibody import QUARTER, Rubbing, Touching
 from .test_multibody import BORE, CASES, CONCENTRIC, SPEED, START, P, Reference, fmu_model
 
 RUBBED = dataclasses.replace(P, pin_friction_coefficient=0.1, pin_friction_damping=0.02)
 ANGLE, GAS = 0.7, 3e5
 TIME = (ANGLE - START) / SPEED
 CARRIER = Carrier(30.0, -40.0, 900.0, 1.3)
+LAND = LandParameters(1e7, 0.2, 0.0, 0.03)
+"""The top land touches the bore in all of the random motions."""
 RINGS = RingForce(40.0, -60.0, 0.3)
 SKIRT, ROLL = 2, 1
 """Number of coordinates of the piston, index of the rocking angle."""
@@ -158,14 +161,15 @@ def solved(reference, case, carrier, q, v):
 
 @pytest.mark.parametrize("name", CASES)
 def test_accelerations_and_reactions_under_random_forces(name):
-    """Films, gas, rings, pin friction and the motion of the block act at random motions.
+    """Films, gas, rings, pin friction, land and the motion of the block act at random motions.
 
     The tolerance of 1e-11 of the largest value is the round-off of constraints whose rods are 1e4
     times as long as the plays. Modes of the bore are stored in single precision, which leaves 1e-8.
+    The land is pressed by 1 um or more, of which positions in the engine leave 1e-10.
     """
     case = CASES[name]
     limit = 1e-8 if case.block_modes else 1e-11
-    model = fmu_model(case, RUBBED)
+    model = fmu_model(case, RUBBED, (LAND,))
     rng = np.random.default_rng(7)
     for _ in range(3):
         position, velocity = random_motion(case, model, rng)
@@ -186,6 +190,11 @@ def test_accelerations_and_reactions_under_random_forces(name):
             elements[film].given = tuple(one.ravel() for one in given)
         elements["gas"].force = lambda time: GAS * np.pi * BORE**2
         elements["gas"].rings = RINGS
+        of, land = reference.of, vars(LAND)
+        touching = (land[f"land_{one}"] for one in ("clearance", "stiffness", "damping"))
+        elements["land"] = Touching(
+            of["piston"], of["block"], LAND.land_height, CONCENTRIC, *touching
+        )
         acceleration, held = solved(reference, case, carrier, q, v)
         known = relative(reference, case, q, v, acceleration, carrier)
         assert np.abs(state.acceleration - known).max() < limit * np.abs(known).max()
@@ -193,3 +202,5 @@ def test_accelerations_and_reactions_under_random_forces(name):
         size = max(np.abs(reactions[one]).max() for one in reactions)
         for one, value in reactions.items():
             np.testing.assert_allclose(out[one], value, rtol=0.0, atol=limit * size, err_msg=one)
+        _, power = elements["land"].forces(TIME, q, v)
+        assert out["element_power"] == pytest.approx(power, rel=1e-9) != 0.0
