@@ -109,18 +109,20 @@ def deflected(system: BodySystem, bore: OutsideBore, field: np.ndarray) -> BodyS
 
 def seen(
     bore: OutsideBore, surfaces: Sequence[FilmSurface], guided: float, field: np.ndarray
-) -> np.ndarray:
-    """Return the change of all film thicknesses with a field (n, s) on the bore, stacked (cells,).
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the change of thickness and slope of all films with a field (n, s) on the bore.
 
-    The bore is read at the height `guided` [m].
+    Both are stacked, (cells,) [m], [-]. The bore is read at the height `guided` [m].
     """
     knots = bore.knots(field)
     parts = []
     for surface in surfaces:
         window = window_of(surface, guided)
         below = knots[window.first : window.first + window.knots]
-        parts.append(by_rows(on_rows(window, window.value, below)).ravel())
-    return np.concatenate(parts)
+        weights = window.value, window.slope
+        parts.append([by_rows(on_rows(window, one, below)).ravel() for one in weights])
+    thickness, slope = (np.concatenate(one) for one in zip(*parts))
+    return thickness, slope
 
 
 def film_on_bore(
@@ -144,7 +146,9 @@ def film_on_bore(
         window = window_of(surface, guided)
         size = surface.skirt.gap.size
         push = pressure_force[begin : begin + size].reshape(surface.skirt.gap.shape)
-        on_all[window.first : window.first + window.knots] += on_knots(window, by_rows(push))
+        on_all[window.first : window.first + window.knots] += on_knots(
+            window, window.value, by_rows(push)
+        )
         begin += size
     return bore.transpose(on_all)
 

@@ -190,7 +190,7 @@ def end_of_step(
         pin_work_error=on_pins.work_error,
         pin_scalars=pin_scalars(of, kept, loads),
         linear=solution.linear,
-        on_block=_on_block(chain, load, loads, own.on_block),
+        on_block=_on_block(chain, load, loads, own.on_block, on_skirt.on_slopes * upright.lever),
     )
 
 
@@ -211,14 +211,20 @@ def _pin_force(of, loads, own, film_power):
 
 
 @compilable
-def _on_block(chain, load, loads, on_block):
-    """Return the forces on the block, that of a film in the main bearing to its last digit."""
+def _on_block(chain, load, loads, on_block, by_slopes):
+    """Return the forces on the block, that of a film in the main bearing to its last digit.
+
+    Eq. (D70):  M = M_z - F_s dY_0/dphi      M_z of Eq. (D25), F_s of Eq. (H24)
+
+    The bore is read at Y_0(phi). F_s therefore turns the crank against the block.
+    """
     force = block_force(load, from_block(chain, loads), on_block)
+    x, y = force.main_bearing_force_x, force.main_bearing_force_y
     film = film_of(chain, BODY.crank)
-    if film < 0:
-        return force
-    x, y = -loads.wrench[film, X], -loads.wrench[film, Y]
-    return BlockForce(force.force_on_block_x, force.force_on_block_y, force.moment_on_block, x, y)
+    if film >= 0:
+        x, y = -loads.wrench[film, X], -loads.wrench[film, Y]
+    moment = force.moment_on_block - by_slopes  # Eq. (D70)
+    return BlockForce(force.force_on_block_x, force.force_on_block_y, moment, x, y)
 
 
 @compilable

@@ -24,7 +24,7 @@ from .parameters import REFERENCE, Damping
 from .pin_shells import shell_modes_of
 from .piston_motion import LATERAL, ROCKING
 from .response import Response
-from .slider_crank import CrankMotion
+from .slider_crank import CrankMotion, height
 from .state import PistonState, problem_of, step_coefficients
 from .step import (
     START_PASSES,
@@ -286,7 +286,7 @@ class PistonInBore:
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += now.tangents
         result = result_of(self.model, before, step, time, now, given)
-        self._last = result.last
+        self._last, self._pressure = result.last, given.skirt.pressure
         outputs = self._outputs(result)
         if self.outside:
             on_bore = self._film_on_bore(self.outside, inputs.pressure_force)
@@ -330,11 +330,11 @@ class PistonInBore:
 
     def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> Instant:
         """Return everything at the end of a step."""
-        model = self.model
+        self._deflected = self.model
         if self.outside:
             wider = deflected(self.system, self.outside, inputs.bore_deflection)
-            model = model._replace(parts=wider)
-        return instant_of(model, step, given)
+            self._deflected = self.model._replace(parts=wider)
+        return instant_of(self._deflected, step, given)
 
     def _film_on_bore(self, outside: OutsideBore, pressure_force: np.ndarray) -> np.ndarray:
         """Return the forces of all films on the bore's grid at the end of the last step [N]."""
@@ -439,17 +439,22 @@ class PistonInBore:
 
     def _response(self, seeds: StepInputs, carried: np.ndarray) -> Response:
         """Return the change of films and motion with forces and the block's motion (4,)."""
-        return response_to(self.model, self._last, seeds, carried)
+        return response_to(self._deflected, self._last, seeds, carried)
 
     def widened(self, bore_deflection: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the change of film thickness with a bore's deflection from outside, by output.
+        """Return the change of outputs with a bore's deflection from outside, by output.
 
-        The deflection is (n, s) [m]. At the end of the last step nothing else changes with it.
+        The deflection is (n, s) [m]. At the end of the last step it changes film thickness, and the
+        moment on the block by slopes of the bore (Eq. (D70)).
         """
         assert self.outside
-        surfaces, guided = self.film_surfaces, self._last.guided
-        wider = seen(self.outside, surfaces, guided, bore_deflection)
-        return by_film(self.films, "film_thickness", wider)
+        surfaces, last = self.film_surfaces, self._last
+        wider, slopes = seen(self.outside, surfaces, last.guided, bore_deflection)
+        change: dict[str, Any] = by_film(self.films, "film_thickness", wider)
+        if self.model.mounted:
+            lever = height(self.system.mechanism, 0.0, last.crank.angle).lever
+            change["moment_on_block"] = -lever * float(self._pressure @ slopes)  # Eq. (D70)
+        return change
 
 
 def by_film(grids: tuple[FilmGrid, ...], name: str, stacked: np.ndarray) -> dict[str, np.ndarray]:

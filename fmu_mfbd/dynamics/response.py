@@ -16,12 +16,12 @@ from ..mechanism.solution import Linearisation, solve_coupled
 from .bdf2 import reach_of
 from .block_force import BlockForce, block_force
 from .carrier import Carrier
-from .floating_frame import Y
+from .floating_frame import TURN, Y
 from .generalised_alpha import Coefficients, Motion
 from .instant import of_skirt, on_modes
 from .pin_films import held_forces, pin_changes
 from .piston_motion import LATERAL, RIGID, ROCKING, Load
-from .skirt_films import Change, forces_by_film, skirt_changes, together
+from .skirt_films import Change, forces_by_film, skirt_changes, skirt_slopes, together
 from .slider_crank import CrankMotion
 from .system import BodySystem, RingForce
 
@@ -94,6 +94,7 @@ def response(
     rings: RingForce,
     forces: PinForces,
     carrier: Carrier,
+    lever: float,
 ) -> Response:
     """Return the change at the end of a step with the forces there and the block's motion.
 
@@ -106,6 +107,8 @@ def response(
     last : StepEnd
     skirt_forces, rings, forces, carrier
         Directions; nodal forces stacked [N].
+    lever : float
+        dY_0/dphi of Eq. (D70), 0 if nobody reads the moment on the block [m].
 
     Returns
     -------
@@ -132,8 +135,12 @@ def response(
     on_block = own.on_block @ acceleration
     for k in range(len(on_block)):
         on_block[k] += pushed.on_block[k]  # Eq. (D20)
-    place, speed = of_skirt(of, moved.position), of_skirt(of, moved.velocity)
     first = RIGID + len(skirt.piston)
+    if lever != 0.0:
+        slopes = skirt_slopes(of, guided, skirt_forces.pressure)
+        pushed_along = slopes.undeformed + slopes.modal @ of_skirt(of, end.position)[first:]
+        on_block[TURN] -= lever * pushed_along  # Eq. (D70)
+    place, speed = of_skirt(of, moved.position), of_skirt(of, moved.velocity)
     piston = Change(place[:first], speed[:first])
     bore = Change(place[first:], speed[first:])
     on_skirt = skirt_changes(of, guided, rising, piston, bore)

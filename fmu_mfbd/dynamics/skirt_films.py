@@ -10,11 +10,13 @@ from ..geometry.film import (
     FilmState,
     FilmSurface,
     NodalForces,
+    SlopePush,
     Window,
     film_now,
     generalised,
     opening,
     sliding,
+    slope_push,
     window_at,
 )
 from ..geometry.surfaces import count_of, surface_at
@@ -254,6 +256,32 @@ def skirt_films(
         on_slopes += film.axial_force
         first += cells_of(surface)
     return SkirtFilms(thickness, sliding_velocity, errors, on_slopes)
+
+
+@compiled
+def skirt_slopes(system: BodySystem, guided: float, pressure: np.ndarray) -> SlopePush:
+    """Return the axial force of all films on the slopes of the bore.
+
+    Parameters
+    ----------
+    system : BodySystem
+    guided : float
+        Height at which the bore is read [m].
+    pressure : ndarray, shape (cells,)
+        Forces, stacked [N].
+    """
+    undeformed = 0.0
+    modal = np.zeros(system.wall.above.shape[1])
+    first = 0
+    for s in range(count_of(system.surfaces)):
+        surface = surface_at(system.surfaces, s)
+        field = _on_grid(surface, field_of(surface, pressure, first))
+        push = slope_push(surface.bore, window_of(surface, guided), field)
+        undeformed += push.undeformed
+        for k in range(len(modal)):
+            modal[k] += push.modal[k]
+        first += cells_of(surface)
+    return SlopePush(undeformed, modal)
 
 
 class FilmChange(NamedTuple):

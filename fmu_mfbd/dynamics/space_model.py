@@ -182,6 +182,8 @@ class PistonInSpace(PistonInBore):
         rod = motion(system.mechanism, lateral_motion(end), crank).rod
         unbalance = self.model.settings.crank_unbalance
         on_block, self._across = block_force(self.bodies, load, unbalance, end, crank, lack)
+        turning = on_grids.on_slopes * upright.lever
+        moment = on_block.moment_on_block - turning  # Eq. (D70)
         none = np.zeros(0)
         return Instant(
             end=end,
@@ -197,7 +199,7 @@ class PistonInSpace(PistonInBore):
             pin_x=pin_x,
             pin_y=pin_y - on_grids.on_slopes,
             pin_moment=lack.pin_moment,
-            torque=lack.torque - on_grids.on_slopes * upright.lever,
+            torque=lack.torque - turning,
             pin_friction_power=lack.pin_moment * (rod.velocity - end.velocity[ROCKING]),
             element_power=0.0,
             evaluations=solved.evaluations,
@@ -209,7 +211,7 @@ class PistonInSpace(PistonInBore):
             pin_work_error=none,
             pin_scalars=NO_PIN,
             linear=no_linearisation(),
-            on_block=on_block,
+            on_block=on_block._replace(moment_on_block=moment),
         )
 
     def _films(

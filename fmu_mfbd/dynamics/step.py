@@ -10,17 +10,20 @@ from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..mechanism.derivative import drive_inertia
 from .account import EnergyAccount, account
+from .bdf2 import reach_of
 from .block_force import BlockForce
 from .carrier import Carrier, carrier_from
 from .contradictions import FAULT
 from .drive import Scalars, demand_of, moved_inertia, scalars_of
+from .floating_frame import TURN
 from .gas_on_bore import WallPressures
 from .instant import Instant, end_of_step
 from .modal_damping import put_damping
 from .parameters import GAS_SOURCES, Settings
 from .pin_films import undamp_static
 from .response import Response, StepEnd, response
-from .slider_crank import CrankMotion, driven
+from .skirt_films import skirt_slopes
+from .slider_crank import CrankMotion, driven, height
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, state_at
 from .system import BodySystem, OtherForces, RingForce, StepProblem, skirt_modes
@@ -314,6 +317,7 @@ def result_of(
     settings = model.settings
     crank = step.crank
     last = StepEnd(step.coefficients, now.guided, now.end, crank, now.linear)
+    _turn_block(model, last, inputs.skirt.pressure)
     torque = now.torque + settings.crank_inertia * crank.acceleration
     jerk = 0.0
     if settings.crank_free != 0.0:
@@ -361,6 +365,26 @@ def result_of(
 
 
 @compilable
+def _lever(model, crank):
+    """Return dY_0/dphi of Eq. (D70) [m], 0 if the block does not move."""
+    return height(model.parts.mechanism, 0.0, crank.angle).lever if model.mounted else 0.0
+
+
+@compilable
+def _turn_block(model, last, pressure):
+    """Add to the derivative of the moment on the block what slopes by modes of the bore do."""
+    lever = _lever(model, last.crank)
+    if lever == 0.0:
+        return
+    modal = skirt_slopes(model.parts, last.guided, pressure).modal
+    by = reach_of(last.coefficients, model.parts.kinds)
+    first = modes_of(model)[1] - len(modal)
+    for k in range(len(modal)):
+        turned = lever * modal[k] * by.position[first + k]
+        last.linear.on_block[TURN, first + k] -= turned  # Eq. (D70)
+
+
+@compilable
 def released(model: BodyModel, last: StepEnd, crank: CrankMotion, torque: float) -> float:
     """Return the acceleration at which the torques on a free crank balance [rad/s2].
 
@@ -381,4 +405,5 @@ def response_to(
 ) -> Response:
     """Return the change at the end of a step with forces and the block's motion (4,)."""
     carrier = carrier_from(carried)
-    return response(model.parts, last, seeds.skirt, seeds.rings, seeds.pins, carrier)
+    lever = _lever(model, last.crank)
+    return response(model.parts, last, seeds.skirt, seeds.rings, seeds.pins, carrier, lever)

@@ -129,6 +129,21 @@ class FilmForces(NamedTuple):
     block: np.ndarray
 
 
+class SlopePush(NamedTuple):
+    """Axial force of a film on the slopes of the bore, Eq. (H24).
+
+    Parameters
+    ----------
+    undeformed : float
+        On the undeformed bore [N].
+    modal : ndarray, shape (k',)
+        By the modes of the block [kg^-1/2 N/m].
+    """
+
+    undeformed: float
+    modal: np.ndarray
+
+
 class Window(NamedTuple):
     """Part of the bore that faces the skirt at a given height of A.
 
@@ -298,18 +313,18 @@ def on_rows(window: Window, weight: np.ndarray, knots: np.ndarray) -> np.ndarray
 
 
 @compiled
-def on_knots(window: Window, force: np.ndarray) -> np.ndarray:
+def on_knots(window: Window, weight: np.ndarray, force: np.ndarray) -> np.ndarray:
     """Return forces on the window's knots, (knots, c), from forces (a, c) at the grid rows.
 
-    It is the transpose of `on_rows`.
+    It is the transpose of `on_rows`, with its `weight`.
     """
     out = np.zeros((window.knots, force.shape[1]))
     for j in range(len(window.knot)):
         for m in range(4):
-            weight = window.value[j, m]
+            share = weight[j, m]
             k = window.knot[j] + m
             for i in range(force.shape[1]):
-                out[k, i] += weight * force[j, i]
+                out[k, i] += share * force[j, i]
     return out
 
 
@@ -426,9 +441,25 @@ def generalised(skirt: Skirt, bore: BoreSplines, window: Window, forces: NodalFo
     drag = by_rows(forces.friction)
     piston = spread(skirt.axial, 0, drag)
     subtract(piston, spread(skirt.radial, 0, push))
-    block = spread(bore.radial, window.first, on_knots(window, push))
-    subtract(block, spread(bore.axial, window.first, on_knots(window, drag)))
+    block = spread(bore.radial, window.first, on_knots(window, window.value, push))
+    on_axial = on_knots(window, window.value, drag)
+    subtract(block, spread(bore.axial, window.first, on_axial))
     return FilmForces(rigid.lateral, rigid.axial, rigid.moment, piston, block)
+
+
+@compiled
+def slope_push(bore: BoreSplines, window: Window, pressure: np.ndarray) -> SlopePush:
+    """Return the axial force of pressure (c, a) on the slopes of the bore.
+
+    Eq. (H24):  F_s = sum_ij F_ij dw/dY      w the widening of the bore, linear in its modes
+    """
+    knots = on_knots(window, window.slope, by_rows(pressure))  # Eq. (H24)
+    undeformed = 0.0
+    if len(bore.shape):
+        for row in range(len(knots)):
+            for i in range(knots.shape[1]):
+                undeformed += knots[row, i] * bore.shape[window.first + row, i]
+    return SlopePush(undeformed, spread(bore.radial, window.first, knots))
 
 
 @compiled

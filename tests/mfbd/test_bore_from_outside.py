@@ -77,14 +77,14 @@ def test_forces_on_the_bore_are_the_transpose_of_its_reading(reduced, shape):
     rng = np.random.default_rng(4)
     for guided in (0.0803, 0.1, 0.1137):
         field, force = rng.standard_normal(shape), rng.standard_normal(16 * 12)
-        there = seen(model.outside, model.film_surfaces, guided, field)
+        there, _ = seen(model.outside, model.film_surfaces, guided, field)
         here = film_on_bore(model.outside, model.film_surfaces, guided, force)
         size = np.abs(there * force).sum()
         assert np.sum(here * field) == pytest.approx(there @ force, abs=1e-14 * size)
         # a translation of the bore is seen as one, and force balances
         theta, _ = cell_centres(shape[0], 1, 0.0, 1.0)
         assert here.sum() == pytest.approx(force.sum(), abs=1e-12 * np.abs(force).sum())
-        even = seen(model.outside, model.film_surfaces, guided, np.ones(shape))
+        even, _ = seen(model.outside, model.film_surfaces, guided, np.ones(shape))
         np.testing.assert_allclose(even, 1.0, atol=1e-12)
 
 
@@ -145,7 +145,7 @@ def test_a_field_from_outside_is_the_bores_own_deflection(reduced):
         np.testing.assert_allclose(by_grid, wanted, rtol=0, atol=1e-6 * np.abs(wanted).max())
         assert told["force_on_deck"] == pytest.approx(5e5 * np.pi * block.radius**2, rel=1e-14)
         # what the bore takes of the film's work, by the film's own cells
-        way = seen(other.outside, other.film_surfaces, guided, field - before.bore_deflection)
+        way, _ = seen(other.outside, other.film_surfaces, guided, field - before.bore_deflection)
         rest = STEP * told["received_power"] - way @ push.ravel()
         plain = other.advance(before._replace(bore_deflection=field), inputs, STEP)[1]
         assert rest == pytest.approx(STEP * plain["received_power"], rel=1e-9)

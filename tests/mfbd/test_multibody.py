@@ -406,10 +406,8 @@ class Reference:
         }
         on_block = -R.T @ np.concatenate([held[by_name["block_0"]], held[by_name["block_1"]]])
         vectors = {"force_on_block": on_block}
-        # Pressure on a bore that is not straight pushes the piston along it, beside the pin. The
-        # FMU counts it in the torque of the drive, but not in the moment on the block.
+        # pressure on a bore that is not straight pushes the piston along it, beside the pin
         slope = np.array([0.0, self.system.elements["skirt"].axial_push(time, q, v)])
-        out["moment_on_block"] += slope[1] * guided(time)[1]
         if case.floats:
             vectors["pin_displacement"] = R.T @ (place("pin") - place("piston"))
             vectors["small_end_displacement"] = R.T @ (place("pin") - place("rod", TIP))
