@@ -1,26 +1,35 @@
-"""Page of a sweep: Pareto front, response, parallel coordinates, and links to reports."""
+"""Page of a sweep: Pareto front, response or map, parallel coordinates, and links to reports."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from ..fmi.quantities import quantity
+from ..fmi.quantities import are_compatible, quantity
 from .pages import write_page
-from .pictures import entry_shown, unit_shown
+from .pictures import entry_shown, labelled, unit_shown
 
 FIRST = ("friction", "minimum_film_thickness", "slap")
 """Parts of the names of the outputs that a front shows by default: abscissa, ordinate, colour."""
+MAPPED = ("minimum_film_thickness", "maximum_pressure", "friction", "slap")
+"""Parts of the names of the outputs of the panels."""
 ROUNDING = 1e-12
 """Values up to this size are zero, in SI units."""
 SAME = 1e-6
 """Relative range below which an output counts as constant: the accuracy of macro steps."""
+OUTCOMES = ("pass", "warning", "fail")
+"""Results of a check, with which the entry `worst_check` of a row begins."""
 
 
 @dataclass(frozen=True)
 class SweptPoint:
-    """Row of a sweep's table, and the relative path of its report ("" if there is none)."""
+    """Row of a sweep's table, and the relative path of its report ("" if there is none).
+
+    Optional entries of the row: `worst_check`, such as "fail: grid", and for any output
+    `OUTPUT_uncertainty`, a number in its SI unit or a text.
+    """
 
     row: dict
     report: str
@@ -46,7 +55,9 @@ def write_sweep_page(
         "inputs": [_input(name, done) for name in axes],
         "outputs": [_output(name, done, directions[name]) for name in entries],
         "reports": [point.report for point in done],
-        "chosen": _chosen(entries),
+        "checks": [_check(point.row) for point in done],
+        "chosen": _chosen(entries, FIRST),
+        "panels": _chosen(entries, MAPPED),
     }
     return write_page(
         path,
@@ -76,38 +87,60 @@ def _number(row, entry):
     return value if isinstance(value, (int, float)) and np.isfinite(value) else None
 
 
-def _chosen(entries):
-    """Return the numbers of the three default outputs; without a third one, the first again."""
-    found = [next((name for name in entries if word in name), None) for word in FIRST]
+def _chosen(entries, words):
+    """Return the numbers of the outputs with these parts of names, filled up with other outputs.
+
+    If there are too few outputs, the last one is repeated.
+    """
+    found = [next((name for name in entries if word in name), None) for word in words]
     order = list(dict.fromkeys([*filter(None, found), *entries]))
-    return [entries.index(order[min(k, len(order) - 1)]) for k in range(3)] if order else []
+    return [entries.index(order[min(k, len(order) - 1)]) for k in range(len(words)) if order]
 
 
 def _output(name, done, direction):
-    label, values = entry_shown(name, [point.row[name] for point in done])
-    return {"name": label, "direction": direction, "values": values.tolist()}
+    """Return an output with its unit, values and uncertainties (None without one)."""
+    known = [point.row.get(f"{name}_uncertainty") for point in done]
+    sizes = [_number({"": one}, "") for one in known]
+    numbers = [np.nan if size is None else size for size in sizes]
+    label, shown = entry_shown(name, [*(point.row[name] for point in done), *numbers])
+    values, scaled = shown[: len(done)].tolist(), shown[len(done) :].tolist()
+    texts = [one if isinstance(one, str) and one else None for one in known]
+    errors = [text if size is None else own for text, size, own in zip(texts, sizes, scaled)]
+    if not any(error is not None for error in errors):
+        errors = []
+    return {"name": label, "direction": direction, "values": values, "uncertainties": errors}
 
 
-def _magnitude(value):
-    """Return the number of a quantity in its own unit, or of a number; None for others."""
-    if isinstance(value, (int, float)):
-        return value
-    try:
-        return quantity(str(value)).magnitude
-    except ValueError:
-        return None
+def _check(row):
+    """Return the worst outcome of a row's checks and its text; "" if it was not checked."""
+    text = str(row.get("worst_check") or "")
+    outcome = next((word for word in OUTCOMES if text.startswith(word)), "")
+    return {"outcome": outcome, "text": text}
 
 
 def _input(name, done):
-    """Return a varied key with its unit and its values, or their numbers if they are texts."""
-    texts = [str(point.row[name]) for point in done]
-    numbers = [_magnitude(point.row[name]) for point in done]
-    order = list(dict.fromkeys(texts))
-    known = [number for number in numbers if number is not None]
-    values = known if len(known) == len(numbers) else [order.index(text) for text in texts]
-    units = {text.lstrip("+-.0123456789eE").strip() for text in texts}
-    unit = units.pop() if len(known) == len(numbers) and len(units) == 1 else ""
+    """Return a varied key with its unit and its values, or their positions if they are names."""
+    given = [point.row[name] for point in done]
+    texts = [str(value) for value in given]
     words = name.split(".")[-1].replace("_", " ")
-    label = f"{words} [{unit_shown(unit, unit)}]" if unit else words
-    shown = [f"{value:g}" for value in values] if unit else texts
-    return {"name": label, "values": np.asarray(values, float).tolist(), "texts": shown}
+    known = [one for value in given if (one := _quantity(value)) is not None]
+    first = known[0].units if known else None
+    if len(known) < len(given) or not all(are_compatible(one.units, first) for one in known):
+        order = list(dict.fromkeys(texts))
+        values = [float(order.index(text)) for text in texts]
+        return {"name": words, "values": values, "texts": texts, "named": True}
+    values = [float(one.to(first).magnitude) for one in known]
+    unit = next((text.lstrip("+-.0123456789eE").strip() for text in texts), "")
+    shown = [f"{value:g}" for value in values]
+    label = labelled(words, unit_shown(unit, unit))
+    return {"name": label, "values": values, "texts": shown, "named": False}
+
+
+def _quantity(value) -> Any | None:
+    """Return a number or a text with a unit as quantity, None for a name."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        return None
+    try:
+        return quantity(str(value))
+    except ValueError:
+        return None

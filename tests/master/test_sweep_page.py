@@ -5,7 +5,9 @@ import pytest
 
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.commands.sweep import worst_check
 from piston_cosim.master.engine.measures import directions
+from piston_cosim.master.engine.verdicts import Verdict
 from piston_cosim.master.results.sweep_page import SweptPoint, write_sweep_page
 
 
@@ -80,11 +82,14 @@ def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(brow
       const links = name => [...document.querySelectorAll(`#${name} a`)]
         .map(one => one.getAttribute("href"));
       return { pareto: links("pareto"), parallel: links("parallel"), points: links("points"),
-        response: links("response"), outputs: data.outputs.map(output => output.name),
+        outputs: data.outputs.map(output => output.name),
         inputs: data.inputs.map(input => input.name),
         shown: ["x", "y", "z"].map(name => byId(name).selectedOptions[0].textContent),
-        cells: [...document.querySelectorAll("#response [aria-label=text] text")]
-          .map(one => one.textContent),
+        panels: [...document.querySelectorAll("#response section")].map(panel => ({
+          output: panel.querySelector("select").selectedOptions[0].textContent,
+          links: [...panel.querySelectorAll("a")].map(one => one.getAttribute("href")),
+          values: [...panel.querySelectorAll("[aria-label=text] text")]
+            .map(one => one.textContent) })),
         best: [...document.querySelectorAll("#points tr.best a")]
           .map(one => one.getAttribute("href")),
         wide: document.documentElement.scrollWidth - window.innerWidth };""")
@@ -93,7 +98,7 @@ def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(brow
     browser.run("byId('z').value = byId('x').value; byId('z').onchange();")
     two = browser.run(RINGED + "return ringed();")
     links = [point.report for point in points[:-1]]
-    assert told["pareto"] == told["parallel"] == told["response"] == links
+    assert told["pareto"] == told["parallel"] == links
     assert sorted(told["points"]) == sorted(links)
     # what does not vary is left out, and what has no declaration
     names = ["mean friction power [W]", "slap energy [mJ]", "contact share"]
@@ -103,7 +108,11 @@ def test_every_point_links_to_its_report_and_the_front_is_that_of_the_table(brow
     assert all_three == front(values).tolist() and two == front(values[:, :2]).tolist()
     assert told["best"] == [link for link, best in zip(links, front(values)) if best]
     assert not all(two)
-    assert [float(text) for text in told["cells"]] == pytest.approx(values[:, 0], rel=5e-3)
+    for panel, k in zip(told["panels"], (0, 1, 2, 2), strict=True):  # three outputs vary
+        assert panel["output"] == names[k] and panel["links"] == links
+        scale = 1e3 if k == 1 else 1.0
+        read = [float(text) for text in panel["values"]]
+        assert read == pytest.approx(scale * values[:, k], rel=5e-3)  # three digits
     assert told["wide"] <= 0
 
 
@@ -139,3 +148,148 @@ def test_directions_are_declared_and_errors_of_the_solution_are_not_drawn():
     assert declared[FILM] == "raise" and declared["maximum_pressure_pa"] == "lower"
     assert declared["lateral_displacement_min_m"] == "none"
     assert "mass_imbalance_max" not in declared
+
+
+NAMES = ["cold.csv", "measured/profile_of_the_cold_skirt.csv", "d_with_a_rather_long_name.csv"]
+CHECKS = ["pass", "warning: periodicity", "fail: grid, mass balance"]
+
+
+def named(reports=("", "", "")):
+    """Three profiles by three clearances in two units, with checks and uncertainties."""
+    rows = [
+        {
+            "clearance": clearance,
+            "file": name,
+            "status": "done",
+            "worst_check": CHECKS[k],
+            ENTRIES[0]: 105.0 + 0.01 * k + 0.001 * n,
+            f"{ENTRIES[0]}_uncertainty": (0.5, None, "does not converge with the grid")[k],
+            ENTRIES[1]: 1e-3 * (1 + k * n),
+        }
+        for n, clearance in enumerate(("20 um", "0.03 mm", "40 um"))
+        for k, name in enumerate(NAMES)
+    ]
+    return [SweptPoint(row, reports[k % 3]) for k, row in enumerate(rows)]
+
+
+def opened(browser, points, axes, folder):
+    """Open the page of points in a browser."""
+    directions = dict.fromkeys([*ENTRIES, FILM], "lower")
+    browser.open(write_sweep_page(points, axes, directions, folder / "sweep.html"))
+
+
+LABELS = """const boxes = (selector, parent = document) => [...parent.querySelectorAll(selector)]
+  .map(one => ({ text: one.textContent, ...one.getBoundingClientRect().toJSON() }));
+const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom - 3
+  && b.top < a.bottom - 3;
+"""
+
+
+@pytest.mark.parametrize("reports", [("", "", ""), ("", "one.html", ""), ("a", "b", "c")])
+def test_parallel_coordinates_have_a_line_for_each_point(browser, tmp_path, reports):
+    points = named(reports)
+    opened(browser, points, ["clearance", "file"], tmp_path)
+    lines = "document.querySelectorAll('#parallel [aria-label=line] path').length"
+    assert browser.run(f"return {lines};") == len(points)
+    assert browser.run("return document.querySelectorAll('#pareto circle[r=\"7\"]').length") == 9
+    links = browser.run(
+        "return [...document.querySelectorAll('#parallel a')].map(a => a.getAttribute('href'));"
+    )
+    assert links == [point.report or f"#point{k}" for k, point in enumerate(points)]
+    assert browser.said() == []
+
+
+def test_labels_of_axes_are_whole_different_and_apart(browser, tmp_path):
+    """Names are names, lengths are in one unit, and values that differ have different labels."""
+    opened(browser, named(), ["clearance", "file"], tmp_path)
+    told = browser.run(
+        LABELS
+        + """return {
+      ends: boxes("#parallel .ends text"), names: boxes("#parallel [aria-label=text] text"),
+      svg: document.querySelector("#parallel > svg").getBoundingClientRect().toJSON(),
+      overlaps: (all => all.flatMap((a, k) => all.slice(k + 1).filter(b => meet(a, b))
+        .map(b => [a.text, b.text])))(boxes("#parallel > svg text")),
+      ticks: [...document.querySelectorAll("[aria-label*='tick label'], .ramp svg")]
+        .map(axis => [...axis.querySelectorAll("text")].map(one => one.textContent)) };"""
+    )
+    assert told["overlaps"] == []
+    texts = [one["text"] for one in told["ends"]]
+    assert texts == ["20", "30", "40", *NAMES, "105", "105.022", "1", "5"]
+    for one in told["ends"] + told["names"]:
+        assert one["left"] >= told["svg"]["left"] and one["right"] <= told["svg"]["right"]
+        assert one["top"] >= told["svg"]["top"] - 1 and one["bottom"] <= told["svg"]["bottom"]
+    assert len(told["ticks"]) >= 6
+    for ticks in told["ticks"]:
+        assert len({*ticks}) == len(ticks)
+
+
+def test_each_row_has_its_worst_check_and_the_uncertainties(browser, tmp_path):
+    opened(browser, named(), ["clearance", "file"], tmp_path)
+    rows = browser.run("""return [...document.querySelectorAll("#points tr")].slice(1).map(row =>
+      [row.id, ...[...row.children].map(cell => cell.textContent)]);""")
+    table = {row[0]: row[1:] for row in rows}
+    assert table["point0"] == ["20", NAMES[0], "✓ pass", "105.0 ± 0.5", "1"]
+    assert table["point4"][2:4] == ["! warning: periodicity", "105.011 (uncertainty unknown)"]
+    assert table["point8"][2:4] == [
+        "✕ fail: grid, mass balance",
+        "105.022 (does not converge with the grid)",
+    ]
+    read = browser.run("""const output = { values: [2.1714, 12345, 0.5, 7], uncertainties:
+        [0.0814, 1534, 0.148, 0] };
+      return [0, 1, 2, 3].map(design => reading(output, design));""")
+    assert read == ["2.17 ± 0.08", "12300 ± 1500", "0.50 ± 0.15", "7 ± 0"]
+
+
+def test_a_point_without_checks_says_so_and_constant_inputs_are_drawn(browser, tmp_path):
+    points = [SweptPoint({"a": 1, ENTRIES[0]: 1.0 + k, "status": "done"}, "") for k in range(2)]
+    opened(browser, points, ["a"], tmp_path)
+    told = browser.run("""return [...document.querySelectorAll("#points tr")].slice(1).map(row =>
+      [...row.children].map(cell => cell.textContent));""")
+    assert told == [["1", "not known", "1"], ["1", "not known", "2"]]
+    lines = "return document.querySelectorAll('#parallel [aria-label=line] path').length;"
+    assert browser.run(lines) == 2 and browser.said() == []
+
+
+def test_a_map_over_two_numbers_is_linear_between_its_points(browser, tmp_path):
+    """Of 3 x 2 points one is missing: its cell is blank; the other has the mean in its middle."""
+    points = swept()[1:]
+    opened(browser, points, ["bodies.clearance", "ovality"], tmp_path)
+    told = browser.run("""const [across, up] = inputs;
+      const value = surface(outputs[0], designs, across, up);
+      return { middle: value(25, 1.5), blank: Number.isNaN(value(15, 1.5)),
+        corners: designs.map(k => value(across.values[k], up.values[k])),
+        ticks: [...document.querySelectorAll("#drawn0 [aria-label='x-axis tick label'] text")]
+          .map(one => one.textContent),
+        drawn: document.querySelectorAll("#response [aria-label=raster] image").length };""")
+    values = np.array([point.row[ENTRIES[0]] for point in points[:-1]])
+    assert told["blank"] and told["drawn"] == 4
+    assert told["middle"] == pytest.approx(values[1:].mean(), rel=1e-12)  # linear along both
+    assert told["corners"][1:] == pytest.approx(values[1:], rel=1e-9)
+    assert told["ticks"] == ["10", "20", "30"]
+
+
+@pytest.mark.parametrize(
+    "axes, drawn",
+    [
+        (["clearance", "file"], "#drawn0 [aria-label=line] path"),
+        (["file"], "#drawn0 circle"),
+        (["file", "status"], "#drawn0 [aria-label=cell] rect"),
+    ],
+)
+def test_names_are_curves_points_or_cells(browser, tmp_path, axes, drawn):
+    """Three names: a curve for each, a point for each, or a row for each."""
+    points = named()
+    points = points if len(axes) == 2 and axes[0] == "clearance" else points[:3]
+    opened(browser, points, axes, tmp_path)
+    found = browser.run(f"return document.querySelectorAll({drawn!r}).length;")
+    assert found == 3 and browser.said() == []
+
+
+def test_the_worst_check_of_a_run_has_its_names():
+    fine, warned, failed = (
+        [Verdict(colour, what, "") for what in names]
+        for colour, names in (("green", "ab"), ("amber", "c"), ("red", "dde"))
+    )
+    assert worst_check([*fine, *warned, *failed]) == "fail: d, e"
+    assert worst_check([*warned, *fine]) == "warning: c"
+    assert worst_check(fine) == "pass" and worst_check([]) == ""

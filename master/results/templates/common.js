@@ -17,11 +17,20 @@ function fillSelect(select, entries, value) {
   select.value = value;
 }
 
-// three significant digits
-function digits(value) {
+// `places` significant digits
+function rounded(value, places) {
   if (value === 0) return "0";
   const size = Math.abs(value);
-  return size >= 1e5 || size < 1e-3 ? value.toExponential(2) : String(+value.toPrecision(3));
+  return size >= 1e5 || size < 1e-3 ? value.toExponential(places - 1) : String(+value.toPrecision(places));
+}
+
+const digits = value => rounded(value, 3);
+
+// digits in which values that are a tenth of their range apart differ
+function digitsWithin(values) {
+  const [low, high] = d3.extent(values), size = Math.max(Math.abs(low), Math.abs(high));
+  const places = high > low ? 2 + Math.ceil(Math.log10(size / (high - low))) : 3;
+  return value => rounded(Math.abs(value) < 1e-9 * size ? 0 : value, Math.min(15, Math.max(3, places)));
 }
 
 // inverse of `packed` of results/packing.py
@@ -38,7 +47,9 @@ async function loadLibraries() {
 }
 
 // legend of a colour scale of Observable Plot
-const colourBar = color => Plot.legend({ color, width: 260, height: 50, ticks: 4, tickFormat: digits });
+const colourBar = color => Plot.legend({
+  color, width: 292, height: 50, marginLeft: 16, marginRight: 16, ticks: 4, tickFormat: digitsWithin(color.domain),
+});
 
 // colours of curves: those of the dark palette on a dark screen, never on paper
 function usePalette() {
