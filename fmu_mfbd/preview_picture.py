@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from .preview_temperatures import WarmWalls
 
@@ -78,25 +79,39 @@ def draw_shapes(shapes: Shapes, path: Path | str) -> None:
     rows = 3 if shapes.walls else 2
     figure = Figure(figsize=(12, 4 * rows))
     FigureCanvasAgg(figure)  # a file only, without pyplot, which is slow to import
-    (developed, bore), *warm, (around, along) = figure.subplots(rows, 2)
+    grid = figure.add_gridspec(rows, 2)
     figure.subplots_adjust(0.06, 0.28 / rows, 0.98, 0.97, wspace=0.2, hspace=0.35)
+    is_cylinder = not shapes.bore_hot.any()
+    developed = figure.add_subplot(grid[0, :] if is_cylinder else grid[0, 0])
     gap = np.ma.masked_where(~shapes.film, shapes.clearance(hot=True))
     draw_developed(figure, developed, shapes.angle, shapes.height, gap)
-    developed.set(
-        title=f"smallest clearance over the stroke, hot; {shapes.film.mean():.0%} has a film",
-        ylabel="height above the pin [mm]",
-    )
-    if shapes.bore_hot.any():
+    _mark_smallest(developed, shapes, gap)
+    title = f"smallest clearance over the stroke, hot; {shapes.film.mean():.0%} has a film"
+    title += "; the hot bore is a cylinder" if is_cylinder else ""
+    developed.set(title=title, ylabel="height above the pin [mm]")
+    if not is_cylinder:
+        bore = figure.add_subplot(grid[0, 1])
         draw_developed(figure, bore, shapes.angle, shapes.bore_height, shapes.bore_hot)
         bore.set(title="widening of the bore, hot", ylabel="height above the crank axis [mm]")
-    else:
-        bore.set(title="the hot bore is a cylinder")
-        bore.set_axis_off()
-    for panels in warm:
-        _temperatures(figure, panels, shapes)
-    _around(around, shapes)
-    _along(along, shapes)
+    if shapes.walls:
+        _temperatures(figure, [figure.add_subplot(grid[1, k]) for k in range(2)], shapes)
+    _around(figure.add_subplot(grid[-1, 0]), shapes)
+    _along(figure.add_subplot(grid[-1, 1]), shapes)
     figure.savefig(path, dpi=110 if Path(path).suffix == ".png" else 72)
+
+
+def _mark_smallest(panel, shapes, gap):
+    """Mark the cell of the smallest clearance by a ring, with its value."""
+    i, j = np.unravel_index(gap.argmin(), gap.shape)
+    at = np.degrees(shapes.angle[i]) % 360.0, MM * shapes.height[j]
+    halo = [withStroke(linewidth=3, foreground="white")]
+    panel.plot(*at, "o", mfc="none", mec="black", ms=9, path_effects=halo)
+    text = f"{UM * gap[i, j]:.3g} \N{MICRO SIGN}m"
+    shift = (10, 0) if at[0] < 300.0 else (-10, 0)
+    side = "left" if at[0] < 300.0 else "right"
+    panel.annotate(
+        text, at, shift, textcoords="offset points", ha=side, va="center", path_effects=halo
+    )
 
 
 def _temperatures(figure, panels, shapes):
@@ -158,23 +173,34 @@ def _around(panel, shapes):
         j = min(int(share * count), count - 1)
         name = f"{MM * shapes.height[j]:.3g} mm above the pin"
         panel.plot(degrees, UM * hot[closed, j], color=colour, label=name)
-        panel.plot(degrees, UM * cold[closed, j], "--", color=colour, lw=0.8)
-    panel.set(title="section around (dashed: cold)", ylabel="clearance [\N{MICRO SIGN}m]")
+        if (hot != cold).any():
+            panel.plot(degrees, UM * cold[closed, j], "--", color=colour, lw=0.8)
+    panel.set(title=_section("around", hot, cold), ylabel="clearance [\N{MICRO SIGN}m]")
     mark_angles(panel)
     panel.grid(alpha=0.3)
     panel.legend(fontsize="small", frameon=False, ncols=3, loc="upper center", bbox_to_anchor=BELOW)
 
 
+def _section(way, hot, cold):
+    """Return the title of a section, which says what dashed curves are if there are any."""
+    return f"section {way}" + (" (dashed: cold)" if (hot != cold).any() else "")
+
+
 def _along(panel, shapes):
-    """Draw the skirt's clearance along the thrust faces and above the pin."""
+    """Draw the skirt's clearance along the thrust faces and above the pin.
+
+    The curve of the thrust face is wide, so that it is visible behind an equal other one.
+    """
     degrees = np.degrees(shapes.angle) % 360
     hot, cold = shapes.clearance(hot=True), shapes.clearance(hot=False)
     for name, where in SIDES.items():
         i = int(np.argmin(np.abs((degrees - where + 180) % 360 - 180)))
-        panel.plot(UM * hot[i], MM * shapes.height, color=COLOURS[name], label=name)
-        panel.plot(UM * cold[i], MM * shapes.height, "--", color=COLOURS[name], lw=0.8)
+        height, width = MM * shapes.height, 4.0 if name == "thrust" else 1.5
+        panel.plot(UM * hot[i], height, color=COLOURS[name], lw=width, label=name)
+        if (hot != cold).any():
+            panel.plot(UM * cold[i], height, "--", color=COLOURS[name], lw=width / 2)
     panel.set(
-        title="section along (dashed: cold)",
+        title=_section("along", hot, cold),
         xlabel="clearance [\N{MICRO SIGN}m]",
         ylabel="height above the pin [mm]",
     )

@@ -209,3 +209,25 @@ def test_the_picture_shows_the_clearance_of_the_text(tmp_path, monkeypatch):
     # the skirt alone would overlap by 30 um; the bore grows by 50 to 60 um over its length
     assert 20e-6 < hot < 30e-6
     assert drawn["clearance"].min() == pytest.approx(hot, rel=1e-12)
+
+
+@pytest.mark.parametrize("growth, panels", [({}, 3), ({"bore_growth_upper": 50e-6}, 4)])
+def test_every_panel_of_the_picture_has_something_drawn(tmp_path, monkeypatch, growth, panels):
+    """A bore that is a cylinder has no panel; without growth no curve is dashed."""
+    drawn = []
+    saved = preview_picture.Figure.savefig
+
+    def noted(figure, *given, **more):
+        drawn.extend(panel for panel in figure.axes if panel.get_label() != "<colorbar>")
+        saved(figure, *given, **more)
+
+    monkeypatch.setattr(preview_picture.Figure, "savefig", noted)
+    seen = preview(SHEET, {**CRANK, **growth}, tmp_path)
+    seen.draw(tmp_path / "shape.png")
+    assert len(drawn) == panels and all(panel.has_data() for panel in drawn)
+    dashed = any(line.get_linestyle() == "--" for panel in drawn for line in panel.lines)
+    assert dashed == bool(growth)
+    assert ("dashed" in drawn[-1].get_title()) == bool(growth)
+    smallest = seen.figure("clearance_hot").value
+    (mark,) = drawn[0].texts[-1:]
+    assert float(mark.get_text().split()[0]) == pytest.approx(1e6 * smallest, rel=5e-3)
