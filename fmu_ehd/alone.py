@@ -28,7 +28,9 @@ KNOWN = {v.name: v for v in (*FILM_VARIABLES, *OIL_VARIABLES, *CONDITION_VARIABL
 
 LONGEST, SHORTEST, AFTERWARDS = 1e9, 1e-9, 1e-6
 """Lengths of the steps to a steady film, and of the one whose outputs `steady` returns [s]."""
-MOST_STEPS = 100
+MOST_STEPS, MOST_SHORT_STEPS = 100, 1000
+TRAVEL = 4.0
+"""Cells that oil travels in a step if long steps do not settle."""
 LIFTS = np.append(0.5 ** np.arange(1, 9), 0.0)  # of thicker films, over the largest thickness
 SCALE = 1.0  # pressure below which a change counts as absolute [Pa]
 NO_SUPPLY = (
@@ -428,10 +430,16 @@ class Film:
         return at_rest and x.roughness_rms == 0.0 and len(pressures) == 1
 
     def _approach(self, inputs: dict[str, Any], tolerance: float) -> None:
-        """Settle a film from its start, or from thicker ones if that fails."""
+        """Settle a film from its start, in short steps or from thicker ones if that fails."""
         try:
             self._settle(self._start(inputs), tolerance, inputs)
         except NotConverged as trouble:
+            longest = self._short_step(inputs)
+            if longest < LONGEST:
+                try:
+                    return self._settle(self._start(inputs), tolerance, inputs, longest)
+                except NotConverged:
+                    pass
             thickness = inputs["film_thickness"]
             first = self._start(inputs)
             try:
@@ -441,10 +449,28 @@ class Film:
             except NotConverged:
                 raise trouble from None
 
-    def _settle(self, outputs: dict[str, Any], tolerance: float, inputs: dict[str, Any]) -> None:
+    def _short_step(self, inputs: dict[str, Any]) -> float:
+        """Return the step in which oil travels `TRAVEL` cells along a skirt [s].
+
+        The lift of the film fraction (`balance.transport`) is that of the step before. In long
+        steps it may alternate.
+        """
+        fixed = self.model.fixed
+        velocity = 0.0 if fixed.bearing else float(np.abs(inputs["sliding_velocity"]).max())
+        travel = TRAVEL * fixed.domain.cells.dy
+        return min(LONGEST, travel / (abs(fixed.share) * velocity)) if velocity > 0.0 else LONGEST
+
+    def _settle(
+        self,
+        outputs: dict[str, Any],
+        tolerance: float,
+        inputs: dict[str, Any],
+        longest: float = LONGEST,
+    ) -> None:
         """Step until the film stays; NotConverged if it does not."""
-        length, change = LONGEST, np.inf
-        for _ in range(MOST_STEPS):
+        length, change = longest, np.inf
+        most = MOST_STEPS if longest == LONGEST else MOST_SHORT_STEPS
+        for _ in range(most):
             last = outputs
             try:
                 outputs = self._step(inputs, length)
@@ -454,12 +480,12 @@ class Film:
                     raise NotConverged(f"the film does not become steady: {trouble}") from None
                 continue
             change = _change(last, outputs)
-            if change <= tolerance and length == LONGEST:
+            if change <= tolerance and length == longest:
                 return
-            length = min(10.0 * length, LONGEST)
+            length = min(10.0 * length, longest)
         raise NotConverged(
             f"the film does not become steady: expected a change of at most {tolerance:g}, got "
-            f"{change:g} in the last of {MOST_STEPS} steps; try a larger tolerance or another grid"
+            f"{change:g} in the last of {most} steps; try a larger tolerance or another grid"
         )
 
     def _at_rest(self, inputs: dict[str, Any]) -> dict[str, Any]:

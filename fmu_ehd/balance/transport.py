@@ -52,10 +52,13 @@ bits, and l is a constant in the tangent. The flow through a face is the same fo
 oil is conserved to round-off. A steady film remains steady with any step, since F is then X times
 a flow that does not depend on the step.
 
+If oil travels farther than `FARTHEST` cells in a step, the explicit steps end there, and the flow
+of the last one holds for the rest. So any step has a lift, and a film that settles in long steps
+settles at the same front as in short ones, or at the next one that Eq. (T16) allows.
+
 Without lift, transport is of first order: at faces behind a full cell, at edges that oil enters
-over, in the first step, where sliding reverses, where oil travels farther than `FARTHEST` cells in
-a step (such as a steady film in one step), and around the circumference. If film or velocity jump
-within a step, a cell can owe oil. Its row is then solved again without lift.
+over, in the first step, where sliding reverses, and around the circumference. If film or velocity
+jump within a step, a cell can owe oil. Its row is then solved again without lift.
 
 Arrays have the shape (n_c, n_a) of the grid, (n_c, n_a + 1) of its axial faces.
 
@@ -73,8 +76,8 @@ from ...master.fmi.compiled import compilable, compiled
 from ..common.grid import LOWER, OPENINGS, UPPER, Array, Cells, Edges, Flags, face_shares, images
 from ..common.quantities import CONDUCTIVITY_A, STORED, TRANSPORT
 
-# cells of travel in a step between which there is a lift: below, nothing moves but round-off
-NEAREST, FARTHEST = 1e-9, 16.0
+NEAREST = 1e-9  # cells of travel in a step without a lift, in which nothing moves but round-off
+FARTHEST = 16.0  # cells that the explicit steps cover at most
 LARGEST_COURANT = 1.0 / 3.0  # of an explicit step
 STEEPEST = 1.0 / LARGEST_COURANT - 1.0  # bound on m at a face in Eq. (T13), no oil owed up to it
 # shares of the deficit 1 - f that the film fraction at a face may differ by from the upstream one,
@@ -323,9 +326,9 @@ def _explicit_steps(i, way, length):
         swept = max(abs(way.travel[i, j]), abs(way.travel[i, j + 1]))
         farthest = max(farthest, swept * way.mobile[i, j] / way.stored[i, j])
     courant = farthest / length
-    if not NEAREST < courant <= FARTHEST:
-        return 0
-    return int(np.ceil(courant / LARGEST_COURANT * (1.0 - 1e-12)))
+    if courant <= NEAREST:
+        return 0.0
+    return np.ceil(courant / LARGEST_COURANT * (1.0 - 1e-12))
 
 
 @compiled(inline="always")
@@ -400,7 +403,9 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
             if entering < 1.0:
                 content[up] = entering
                 given[j] = pace.share * past.passed[i, j] + pace.euler * swept * entering
-        for _ in range(steps):
+        taken = int(min(steps, FARTHEST / LARGEST_COURANT))
+        for k in range(taken):
+            times = steps - k if k == taken - 1 else 1.0
             _row_flow(content, i, way, steps, given, flow)
             for j in range(n_a):
                 ahead[j] = content[j]
@@ -409,7 +414,7 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
             _row_flow(ahead, i, way, steps, given, flow_ahead)
             for j in range(n_a + 1):
                 flow[j] = 0.5 * (flow[j] + flow_ahead[j])
-                through[j] += flow[j]
+                through[j] += times * flow[j]
             for j in range(n_a):
                 if not states.resting[i, j]:
                     content[j] += source[j] + (flow[j] - flow[j + 1]) / area

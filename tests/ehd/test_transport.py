@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+import piston_cosim as pc
 from piston_cosim.fmu_ehd import step_parts
 from piston_cosim.fmu_ehd.balance.transport import StepRatios
 from piston_cosim.fmu_ehd.common.grid import Edges
@@ -283,3 +284,32 @@ def test_a_velocity_of_next_to_nothing_is_rest():
 
     # a volume of 1e-313 m3 is no divisor
     assert np.array_equal(pressed(-2e-313), pressed(0.0))
+
+
+@pytest.mark.parametrize("travel", [1e-6, 8.0, 16.1, 1e12])
+def test_a_step_of_any_length_leaves_a_steady_film_as_it_is(travel):
+    """A zone of full cells on scarce oil, then one step in which oil travels so many cells.
+
+    Before and after it, oil travels one cell in a step. The load is the same to round-off.
+    """
+    cells, length, entrainment = 40, 0.04, 5.0
+    height = 2.0 * (np.arange(cells) + 0.5) / cells - 1.0
+    thickness = np.broadcast_to(8e-6 + 20e-6 * height**2, (2, cells)).copy()
+    conditions = dict(film_thickness=thickness, sliding_velocity=-2.0 * entrainment)
+    film = pc.Film(
+        (2, cells),
+        skirt_length=length,
+        viscosity=0.01,
+        film_fraction_lower_edge=0.31,
+        film_fraction_upper_edge=0.3,
+        initial_film_fraction=0.0,
+    )
+    film.start(**conditions)
+    one = length / cells / entrainment
+    for _ in range(20 * cells):
+        settled = film.step(step=one, **conditions)
+    assert 5 < (settled["pressure"][0] > 0.0).sum() < 20
+    load = settled["nodal_pressure_force"].sum()
+    for step in (travel * one, one, one):
+        after = film.step(step=step, **conditions)["nodal_pressure_force"].sum()
+        assert after == pytest.approx(load, rel=1e-9)  # its last steps changed it by less
