@@ -66,7 +66,7 @@ def read_node_values(path: Path | str, quantity: Quantity, field: str | None = N
     path : Path
     quantity : Quantity
     field : str, optional
-        Name in the file. Default: the only field with such a name.
+        Name in the file, not for CSV. Default: the only field with such a name.
 
     Raises
     ------
@@ -77,6 +77,11 @@ def read_node_values(path: Path | str, quantity: Quantity, field: str | None = N
     suffix = path.suffix.lower()
     try:
         if suffix == ".csv":
+            if field:
+                raise MeshFault(
+                    f"field: expected nothing for a CSV file, whose header names the columns, got "
+                    f"{field!r}"
+                )
             return _of_table(path, quantity)
         return (
             _of_frd(path, quantity, field)

@@ -34,6 +34,11 @@ ZERO = {"degC": 273.15, "K": 0.0}
 """Zero of the units of temperature [K]."""
 COLDEST, HOTTEST = 200.0, 1500.0
 """Range of temperatures, our own choice [K]."""
+LEAST_HOT = 500.0
+"""Lowest temperature of a body up to which its numbers may be degrees Celsius, our own choice [K].
+
+The coldest part of a piston or cylinder in an engine is not hotter. 227 degC is 500 K, and numbers
+in kelvin that are read as degrees Celsius begin above."""
 SHARED = 0.2
 """Least length that table and body share, by the longer of both, our own choice: wrong units of
 length differ by a factor of 10 or more, inches and centimetres excepted."""
@@ -143,6 +148,12 @@ def _temperatures(mesh: Mesh, options: Piston | Block, field: TemperatureField) 
         nodes = np.arange(len(mesh.points))
         values = on_mesh(given, mesh, placed, nodes, where)[:, 0] + ZERO[field.temperature_unit]
     low, high = float(values.min()), float(values.max())
+    if field.temperature_unit == "degC" and low > LEAST_HOT:
+        coldest = f"{LEAST_HOT - ZERO['degC']:.4g} degC"
+        raise MeshFault(
+            f"{where}: expected a lowest temperature up to {coldest}, got "
+            f"{low - ZERO['degC']:.4g} degC; if the numbers are kelvin, set temperature_unit to K"
+        )
     if low < COLDEST or high > HOTTEST:
         expected = f"expected {COLDEST:g} to {HOTTEST:g} K, got {low:.4g} to {high:.4g} K"
         raise MeshFault(f"{where}: {expected}; check temperature_unit")

@@ -323,6 +323,11 @@ def test_nodes_and_contents_that_do_not_fit(piston, tmp_path):
     write_csv(path, shifted, growing(mesh.points))
     with pytest.raises(MeshFault, match="hot_shape: .*hot.csv: expected finite values at .* none"):
         hot_shape(options, (16, 12), quiet)
+    named = options.model_copy(
+        update={"hot_shape": options.hot_shape.model_copy(update={"field": "U"})}
+    )
+    with pytest.raises(MeshFault, match="hot.csv: field: expected nothing for a CSV file"):
+        hot_shape(named, (16, 12), quiet)
     path.write_text("x,y,ux\n1,2,3\n")
     with pytest.raises(
         MeshFault, match="a first row with node or x,y,z and ux,uy,uz, got 'x,y,ux'"
@@ -398,6 +403,18 @@ def test_bad_input_names_every_fault(coarse, kept, tmp_path):
         BadInput, match="expansion of no set: expected 0 to 0.0001 1/K, got nothing"
     ):
         prepare(table, folder, quiet)
+
+
+def test_kelvin_that_are_declared_as_degrees_are_rejected(coarse, tmp_path):
+    folder, table = coarse
+    path = tmp_path / "t.csv"
+    path.write_text("height,20,28\n-15,413,403\n15,473,463\n")
+    field = {"table": str(path), "length_unit": "1 mm", "temperature_unit": "degC"}
+    own = {"mesh": str(folder / "piston.msh"), "expansion": "21e-6 1/K", "temperature_field": field}
+    with pytest.raises(MeshFault, match="up to 226.9 degC, got .* set temperature_unit to K"):
+        hot_shape(Piston(**table["piston"] | own), (16, 12), quiet)
+    right = own | {"temperature_field": field | {"temperature_unit": "K"}}
+    hot_shape(Piston(**table["piston"] | right), (16, 12), quiet)
 
 
 @pytest.mark.parametrize("unit", ["1 m", "0.01 mm"])
