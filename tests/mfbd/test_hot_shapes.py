@@ -408,7 +408,7 @@ def test_bad_input_names_every_fault(coarse, kept, tmp_path):
 def test_kelvin_that_are_declared_as_degrees_are_rejected(coarse, tmp_path):
     folder, table = coarse
     path = tmp_path / "t.csv"
-    path.write_text("height,20,28\n-15,413,403\n15,473,463\n")
+    path.write_text("height,0,28\n-15,413,403\n15,473,463\n")
     field = {"table": str(path), "length_unit": "1 mm", "temperature_unit": "degC"}
     own = {"mesh": str(folder / "piston.msh"), "expansion": "21e-6 1/K", "temperature_field": field}
     with pytest.raises(MeshFault, match="up to 226.9 degC, got .* set temperature_unit to K"):
