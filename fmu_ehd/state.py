@@ -37,7 +37,7 @@ class Memory(NamedTuple):
     film: parts.PreviousFilm
     totals: parts.Totals
     layer: OilLayer
-    steps: Annotated[Flags, "2, n_c, n_a"]
+    steps: Annotated[Array, "2, n_c, n_a"]
 
     def __repr__(self) -> str:
         return (

@@ -26,7 +26,7 @@ from .balance.flow_film import FlowFilm, ShearedOil, flow_film
 from .balance.oil_layer import LayerVolumes, OilLayer
 from .balance.transport import Lift
 from .common.faults import FAULT
-from .common.grid import LOWER, UPPER, Array, Edges, Entrainment, Flags, sum_of_products
+from .common.grid import LOWER, UPPER, Array, Edges, Entrainment, sum_of_products
 from .common.quantities import CARRIERS, STORED
 from .constants import FilmConstants
 from .laws import circumferential
@@ -69,7 +69,7 @@ class ForceInputs(NamedTuple):
     """
 
     deflection: Array
-    steps: Flags
+    steps: Array
     flow: FlowFilm
     under: TruePressure
     fraction: Array

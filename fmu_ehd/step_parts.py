@@ -166,7 +166,7 @@ class SolvedFilm(NamedTuple):
     """A solved film, as its forces see it; arrays of shape (n_c, n_a).
 
     hard_film, deflection : film thickness without the deflection of a coating, and that [m];
-    steps : ndarray of bool, shape (2, n_c, n_a), `contact.profile_steps`;
+    steps : ndarray, shape (2, n_c, n_a), `contact.profile_steps`;
     velocity, turning : V and W, 0 on a skirt [m/s];
     quantities : ndarray, shape (6, n_c, n_a), of `films`, with the viscosity of shear under
     pressure;
@@ -176,7 +176,7 @@ class SolvedFilm(NamedTuple):
 
     hard_film: Array
     deflection: Array
-    steps: Flags
+    steps: Array
     velocity: Array
     turning: Array
     quantities: Array

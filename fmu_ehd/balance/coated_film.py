@@ -10,7 +10,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
 from ..common.faults import FAULT, refuse
-from ..common.grid import Array, Entrainment, Flags, put
+from ..common.grid import Array, Entrainment, put
 from ..laws import cavitation, coating
 from ..laws.asperity import ContactConstants
 from ..laws.coating import Softness
@@ -53,14 +53,14 @@ class CoatedInputs(NamedTuple):
 
     hard_film, deflection, unknown : ndarray, shape (n_c, n_a), film thickness without the
     deflection at the end of the step, deflection and signed unknown at its beginning;
-    steps : ndarray of bool, shape (2, n_c, n_a), `contact.profile_steps`;
+    steps : ndarray, shape (2, n_c, n_a), `contact.profile_steps`;
     sheared : flow_film.ShearedOil, at its end.
     """
 
     hard_film: Array
     deflection: Array
     unknown: Array
-    steps: Flags
+    steps: Array
     sheared: ShearedOil
 
 

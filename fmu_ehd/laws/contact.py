@@ -9,17 +9,23 @@ Eq. (A7):  h(x, y) = h_c + x (h_e - h_w)/2 + x^2 (h_e - 2 h_c + h_w)/2
 Eq. (A8):  p = sum_q w_q p(h(x_q, y_q)),   dp/dh_k = sum_q w_q p'(h(x_q, y_q)) dh(x_q, y_q)/dh_k
 
 at Gauss points q with weights w_q; area fraction, boundary stress and energy likewise. Ovality and
-barrel are parabolas within a cell. Beyond an edge, a cut-out and a step the gap goes on straight,
-h_n = 2 h_c - h_s, and it is constant between two of them. The gap steps between two cells where its
-jump exceeds a quarter of the roughness and twice the jumps before and behind:
+barrel are parabolas within a cell. Beyond an edge and a cut-out the gap goes on straight,
+h_n = 2 h_c - h_s, and it is constant between two of them. It does so beyond a step of the profile
+too. The gap steps between two cells where its jump is as large as a quarter of the roughness, and
+four times those before and behind. Its weight w is 1 there, 0 where the gap is smooth, and once
+differentiable between:
 
-Eq. (A12):  |J_i| > sigma/4,   J_{i-1}/J_i < 1/2,   J_{i+1}/J_i < 1/2,   J_i = h_{i+1} - h_i
+Eq. (A12):  w_i = S(8 |J_i|/sigma - 1) S(2 - 4 J_{i-1}/J_i) S(2 - 4 J_{i+1}/J_i)
+            J_i = h_{i+1} - h_i,   S(x) = x^2 (3 - 2 x), 0 below 0 and 1 above 1
+Eq. (A15):  d_n = (1 - w_n) D_n - w_n (1 - w_s) D_s,   d_s likewise,   D_n = h_n - h_c
 
-The jumps of a parabola are evenly spaced, so none of them is a step, and neither are those of a
-wave that is longer than 6 cells. The extrema of a smooth gap stay, because contact happens there.
+d replaces D in Eq. (A7); beyond an edge and a cut-out w = 1. The jumps of a parabola are evenly
+spaced, so none of them is a step, and neither are those of a wave that is longer than 6 cells. The
+extrema of a smooth gap stay, because contact happens there. Contact on a step of a quarter of the
+roughness changes by less than 1 %, which bounds what the lower band brings.
 Steps belong to the profile, so they are located at the start of a run. Bodies that bend make no
-step. If the gap of each iteration decided instead, the contact pressure would jump between two
-iterations, and they might never agree.
+step. If the gap of each iteration decided instead, contact would follow the gap of cells farther
+than its neighbours.
 
 A coating yields by the pressure of its cell, so its deflection shifts the whole cell.
 """
@@ -32,9 +38,9 @@ from ...master.fmi.compiled import compiled
 from ..common.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Cells, Flags, row_at
 from .asperity import TABLE_END, ContactConstants, point_contact
 
-# Eq. (A12): contact on a smaller step changes by less than 1 %, on all of a cell's parabola
-LEAST_STEP = 0.25  # over the roughness
-STEEPER = 2.0  # than the gap beside a step
+# Eq. (A12): jumps over the roughness, and jumps beside a step over its own, of weights 0 and 1
+SMOOTH_JUMP, STEP_JUMP = 0.125, 0.25
+SMOOTH_RATIO, STEP_RATIO = 0.5, 0.25
 OPPOSITE = (CENTRE, NORTH, SOUTH, EAST, WEST)
 
 # Gauss-Legendre along a cell of length 1 about its centre: contact that fades by exp(6) from the
@@ -75,18 +81,15 @@ def neighbour(k, i, j, n_c, n_a):
 
 
 @compiled(inline="always")
-def _shares(x, before_there, after_there):
-    """Return the shares of both neighbours in the gap at x of a cell, Eq. (A7).
+def _shares(x, before, after):
+    """Return the shares of both neighbours in the gap at x of a cell, Eqs. (A7), (A15).
 
-    The rest is the share of the cell.
+    `before` and `after` are the weights of the steps to them. The rest is the share of the cell.
     """
-    if before_there and after_there:
-        return 0.5 * x * (x - 1.0), 0.5 * x * (x + 1.0)
-    if before_there:
-        return -x, 0.0
-    if after_there:
-        return 0.0, x
-    return 0.0, 0.0
+    near = 0.5 * x * (x - 1.0)
+    far = 0.5 * x * (x + 1.0)
+    # Eq. (A15)
+    return (1.0 - before) * (near - far * after), (1.0 - after) * (far - near * before)
 
 
 @compiled(inline="always")
@@ -104,34 +107,48 @@ def _beside(k, steps, i, j, open_cells, cells):
 
 
 @compiled(inline="always")
-def _is_step(before, jump, after, least):
-    """Return whether the gap steps by `jump`, Eq. (A12)."""
-    square = jump * jump
-    steep = square > STEEPER * before * jump and square > STEEPER * after * jump
-    return steep and abs(jump) > least  # Eq. (A12)
+def _smooth(value, zero, one):
+    """Return S of Eq. (A12), which is 0 at `zero` and 1 at `one`."""
+    x = min(max((value - zero) / (one - zero), 0.0), 1.0)
+    return x * x * (3.0 - 2.0 * x)
+
+
+@compiled(inline="always")
+def _step_weight(before, jump, after, roughness_rms):
+    """Return the weight of a step of the gap by `jump`, Eq. (A12)."""
+    weight = _smooth(abs(jump) / roughness_rms, SMOOTH_JUMP, STEP_JUMP)
+    if weight > 0.0:
+        weight *= _smooth(before / jump, SMOOTH_RATIO, STEP_RATIO)
+        weight *= _smooth(after / jump, SMOOTH_RATIO, STEP_RATIO)
+    return weight
 
 
 @compiled
-def step_to(k, i, j, film_thickness, open_cells, least, cells):
-    """Return the step of the gap from cell (i, j) to entry k of its stencil, Eq. (A12).
+def step_to(k, i, j, film_thickness, open_cells, roughness_rms, cells):
+    """Return the jump of the gap from cell (i, j) to entry k of its stencil times its weight.
 
-    It is 0 if the change is smooth, or if a jump before or behind is missing.
+    See Eq. (A12). It is 0 if the change is smooth, or if a jump before or behind is missing.
+
+    Returns
+    -------
+    jump, weight : float
+        [m], [-].
     """
     p, q = _beside(OPPOSITE[k], 1, i, j, open_cells, cells)
     a, b = _beside(k, 1, i, j, open_cells, cells)
     c, d = _beside(k, 2, i, j, open_cells, cells)
     if p < 0 or a < 0 or c < 0:
-        return 0.0
+        return 0.0, 0.0
     own = film_thickness[i, j]
     jump = film_thickness[a, b] - own
     before = own - film_thickness[p, q]
     after = film_thickness[c, d] - film_thickness[a, b]
-    return jump if _is_step(before, jump, after, least) else 0.0
+    return jump, _step_weight(before, jump, after, roughness_rms)
 
 
 @compiled
 def profile_steps(film_thickness: Array, open_cells: Flags, roughness_rms: float, cells: Cells):
-    """Return where the gap steps, Eq. (A12).
+    """Return the weights of the steps of the gap, Eq. (A12).
 
     Parameters
     ----------
@@ -145,21 +162,20 @@ def profile_steps(film_thickness: Array, open_cells: Flags, roughness_rms: float
 
     Returns
     -------
-    ndarray of bool, shape (2, n_c, n_a)
-        Steps from a cell to its neighbour before it along j, and along i.
+    ndarray, shape (2, n_c, n_a)
+        Weights from a cell to its neighbour before it along j, and along i.
     """
     n_c, n_a = film_thickness.shape
-    steps = np.zeros((2, n_c, n_a), np.bool_)
+    steps = np.zeros((2, n_c, n_a))
     if roughness_rms <= 0.0:
         return steps
-    least = LEAST_STEP * roughness_rms
     for i in range(n_c):
         for j in range(n_a):
             if open_cells[i, j]:
                 continue
             for row, k in enumerate((SOUTH, WEST)):
-                jump = step_to(k, i, j, film_thickness, open_cells, least, cells)
-                steps[row, i, j] = jump != 0.0
+                _, weight = step_to(k, i, j, film_thickness, open_cells, roughness_rms, cells)
+                steps[row, i, j] = weight
     return steps
 
 
@@ -172,15 +188,17 @@ def has_narrow_steps(film_thickness: Array, open_cells: Flags, roughness_rms: fl
     n_c, n_a = film_thickness.shape
     if roughness_rms <= 0.0:
         return False
-    least = roughness_rms
     for i in range(n_c):
         for j in range(n_a):
             if open_cells[i, j]:
                 continue
             for k in (SOUTH, WEST):
-                one = step_to(k, i, j, film_thickness, open_cells, least, cells)
-                other = step_to(OPPOSITE[k], i, j, film_thickness, open_cells, least, cells)
-                if one * other > 0.0:
+                one, at_one = step_to(k, i, j, film_thickness, open_cells, roughness_rms, cells)
+                other, at_other = step_to(
+                    OPPOSITE[k], i, j, film_thickness, open_cells, roughness_rms, cells
+                )
+                narrow = min(abs(one), abs(other)) > roughness_rms and one * other > 0.0
+                if narrow and min(at_one, at_other) > 0.5:
                     return True
     return False
 
@@ -189,7 +207,7 @@ def has_narrow_steps(film_thickness: Array, open_cells: Flags, roughness_rms: fl
 def contact(
     film_thickness: Array,
     deflection: Array,
-    steps: Flags,
+    steps: Array,
     open_cells: Flags,
     constants: ContactConstants,
     cells: Cells,
@@ -204,7 +222,7 @@ def contact(
         h without the deflection [m], any sign.
     deflection : ndarray, shape (n_c, n_a)
         Of a coating [m].
-    steps : ndarray of bool, shape (2, n_c, n_a)
+    steps : ndarray, shape (2, n_c, n_a)
         Of `profile_steps`.
     open_cells : ndarray of bool, shape (n_c, n_a)
         Cells without a film, which touch nothing.
@@ -233,7 +251,7 @@ def contact(
         )
     reach = constants.summit_height + TABLE_END * constants.roughness_rms
     higher = np.zeros(5)  # by how much the neighbours' gap is wider
-    there = np.zeros(5, np.bool_)
+    step = np.zeros(5)  # weights of the steps to the neighbours
     share = np.zeros(5)
     for i in range(n_c):
         for j in range(n_a):
@@ -243,21 +261,22 @@ def contact(
             lowest = centre
             for k in (SOUTH, NORTH, WEST, EAST):
                 a, b = _beside(k, 1, i, j, open_cells, cells)
-                there[k] = a >= 0
-                higher[k] = film_thickness[a, b] - film_thickness[i, j] if there[k] else 0.0
+                step[k] = 0.0 if a >= 0 else 1.0
+                higher[k] = film_thickness[a, b] - film_thickness[i, j] if a >= 0 else 0.0
                 lowest -= 0.5 * abs(higher[k])
             if not lowest < reach:
                 continue
-            there[SOUTH] = there[SOUTH] and not steps[0, i, j]
-            there[NORTH] = there[NORTH] and not steps[0, i, j + 1]
-            there[WEST] = there[WEST] and not steps[1, i, j]
+            step[SOUTH] = max(step[SOUTH], steps[0, i, j])
+            if j < n_a - 1:
+                step[NORTH] = max(step[NORTH], steps[0, i, j + 1])
+            step[WEST] = max(step[WEST], steps[1, i, j])
             next_step = i if cells.mirrored and i == n_c - 1 else (i + 1) % n_c
-            there[EAST] = there[EAST] and not steps[1, next_step, j]
+            step[EAST] = max(step[EAST], steps[1, next_step, j])
             for x, weight_x in zip(POINTS, WEIGHTS):
-                share[WEST], share[EAST] = _shares(x, there[WEST], there[EAST])
+                share[WEST], share[EAST] = _shares(x, step[WEST], step[EAST])
                 across = share[WEST] * higher[WEST] + share[EAST] * higher[EAST]
                 for y, weight_y in zip(POINTS, WEIGHTS):
-                    share[SOUTH], share[NORTH] = _shares(y, there[SOUTH], there[NORTH])
+                    share[SOUTH], share[NORTH] = _shares(y, step[SOUTH], step[NORTH])
                     along = share[SOUTH] * higher[SOUTH] + share[NORTH] * higher[NORTH]
                     gap = centre + across + along  # Eq. (A7)
                     if gap >= reach:

@@ -73,7 +73,7 @@ def test_a_sloped_cell_touches_with_its_corner():
     """
     x = np.array([-1.0, 0.0, 1.0])
     film = 17.5 + 20.0 * np.add.outer(x, x)
-    no_step, closed = np.zeros((2, 3, 3), bool), np.zeros((3, 3), bool)
+    no_step, closed = np.zeros((2, 3, 3)), np.zeros((3, 3), bool)
     found = contact_of_cells(film, np.zeros((3, 3)), no_step, closed, UNIT, SECTOR)
     outer, inner = np.sqrt(3.0 / 7.0 + np.array([2.0, -2.0]) / 7.0 * np.sqrt(1.2)) / 2.0
     least, most = np.array([18.0 - np.sqrt(30.0), 18.0 + np.sqrt(30.0)]) / 72.0

@@ -171,29 +171,51 @@ def test_contact_on_lands_does_not_see_the_grooves(cells, tilt, barrel):
     assert found == near(exact / gaussian_integral(2.5, 1.0), rel=2e-4 if barrel == 0.0 else 4e-3)
 
 
-def test_a_step_is_steeper_than_twice_the_gap_beside_it():
-    """Eq. (A12): a step is steeper than twice the gaps next to it.
+def test_a_step_is_steeper_than_the_gap_beside_it():
+    """Eqs. (A12), (A15): a step is at least four times as steep as the gaps next to it.
 
-    Jumps of 0.9, 2, 0.9 sigma are a step, so that the cell before it is straight.
-    With 1.1 before or after it they are none, nor are jumps of a tenth.
+    Jumps of 0.4, 2, 0.4 sigma are a step, so that the cell before it is straight. With 1.1 before
+    or after it they are none, nor are jumps of a twentieth. 0.75 before and after it gives the
+    weight S(1/2)^2 = 1/4, and jumps of a factor 0.09375 give S(1/2) = 1/2.
     """
 
     def force(gap):
         return gaussian_integral(2.5, gap)
 
-    for scale, jumps, straight in (
-        (1.0, (0.9, 2.0, 0.9), True),
-        (1.0, (1.1, 2.0, 0.9), False),
-        (1.0, (0.9, 2.0, 1.1), False),
-        (0.1, (0.9, 2.0, 0.9), False),
+    for scale, jumps, weight in (
+        (1.0, (0.4, 2.0, 0.4), 1.0),
+        (1.0, (1.1, 2.0, 0.4), 0.0),
+        (1.0, (0.4, 2.0, 1.1), 0.0),
+        (0.05, (0.4, 2.0, 0.4), 0.0),
+        (1.0, (0.75, 2.0, 0.75), 0.25),
+        (0.09375, (0.4, 2.0, 0.4), 0.5),
     ):
         gap = 1.0 + scale * np.cumsum([0.0, *jumps])
         film = np.tile(gap * SIGMA, (4, 1))
         pressure = stepped(film, 0.0, (4, 4), roughness_rms=SIGMA)["asperity_pressure"][0]
-        beyond = 2.0 * gap[1] - gap[0] if straight else gap[2]
+        beyond = (1.0 - weight) * gap[2] + weight * (2.0 * gap[1] - gap[0])
         means = cell_mean(force, 2.0 * gap[0] - gap[1], gap[0], gap[1])
         means = cell_mean(force, gap[0], gap[1], beyond) / means
         assert pressure[1] / pressure[0] == near(means, rel=1e-6)
+
+
+@pytest.mark.parametrize("jump", [0.125, 0.1875, 0.25, 2.0])
+@pytest.mark.parametrize("ratio", [0.25, 0.375, 0.5])
+def test_contact_is_once_differentiable_in_the_profile(jump, ratio):
+    """Differences to both sides agree at the ends and in the middle of the bands of Eq. (A12).
+
+    They differ by a second derivative times the difference, which S makes at most 6 over the width
+    of its band squared: 6 (0.1 nm / 62 nm) = 1 % of the jump over 62 nm, and a few in a sum.
+    """
+    change = np.array([0.3, -1.0, 0.7, 0.2])
+
+    def load(size):
+        gap = 1.0 + jump * np.cumsum([0.0, ratio, 1.0, ratio])
+        film = np.tile(gap * SIGMA + size * change, (4, 1))
+        return stepped(film, 0.0, (4, 4), roughness_rms=SIGMA)["asperity_pressure"].sum()
+
+    after, before = (load(1e-10) - load(0.0)) / 1e-10, (load(0.0) - load(-1e-10)) / 1e-10
+    assert after == pytest.approx(before, rel=0.05)
 
 
 def test_a_gap_that_bends_makes_no_step():
