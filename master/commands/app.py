@@ -30,6 +30,7 @@ COMMANDS = {
     "profile": "Read a measured profile of a skirt, judge and draw it.",
     "keys": "List the keys of a case file.",
     "list": "List the shipped cases.",
+    "compare": "Compare the main results of two runs.",
     "sweep": "Run a case over values of its keys.",
     "study": "Run a study of a case.",
     "reduce": "Reduce flexible bodies and list their modes.",

@@ -260,6 +260,22 @@ def print_answers(answers, verbose=False):
             tell(shown)
 
 
+def print_compared(runs):
+    """Print the comparison of two runs (label -> Results): headline, then each difference."""
+    from ..engine.comparison import compared
+    from ..engine.measures import measures
+
+    trees = tuple(results.case for results in runs.values())
+    cases = [check_case(tree, results.path) for tree, results in zip(trees, runs.values())]
+    tables = [measures(case, results) for case, results in zip(cases, runs.values())]
+    found = compared(tuple(runs), trees, tables)
+    tell(found.headline, markup=False)
+    table = Table("", *found.names, "difference", box=None, pad_edge=False)
+    for row in found.rows:
+        table.add_row(row.label, row.first, row.second, row.text)
+    wide_console().print(table, highlight=False)
+
+
 def draw_pictures(case, runs, folder, kind=None, paper=False):
     """Draw the pictures of a case for runs (label -> Results) and print their paths.
 

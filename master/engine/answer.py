@@ -8,10 +8,11 @@ import numpy as np
 
 from ..case.tables import reduced
 from ..fmi.quantities import short
+from ..results.file import Results
 from ..results.instants import crank_angle
 from .headlines import Headline, headlines
 from .measures import Measures, measures
-from .uncertainty import DIVERGES
+from .uncertainty import DIVERGES, UNKNOWN
 from .verdicts import RANK, WORDS, Verdict, verdicts
 
 
@@ -49,6 +50,23 @@ def answer(case, results) -> Answer:
     if judged:
         lines.append(Headline("checks", _counted(judged)))
     return Answer(lines, judged, table, uncertainty_text(table, results.summary or {}))
+
+
+def row_of(case, path) -> dict[str, float | str]:
+    """Return the columns of a finished run in the table of a sweep.
+
+    They are the measures of a design, `NAME_uncertainty` of them and of equal summary entries, and
+    the check with the worst result. An unknown uncertainty is a text with the reason.
+    """
+    with Results(path) as run:
+        one = answer(case, run)
+    found: dict[str, float | str] = {**one.table.design}
+    for key in dict.fromkeys([*found, *case.summary]):
+        if (measure := one.table.worst(key)) and measure.uncertainty is not UNKNOWN:
+            known = measure.uncertainty
+            found[f"{key}_uncertainty"] = known.reason if known.value is None else known.value
+    worst = max(one.verdicts, key=lambda check: RANK.index(check.colour), default=None)
+    return found | {"worst_check": f"{worst.what}: {worst.outcome}" if worst else ""}
 
 
 def uncertainty_text(table: Measures, summary: dict) -> str:

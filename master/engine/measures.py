@@ -5,7 +5,6 @@ Every value refers to the last period of the run. A measure is omitted if the ru
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -195,7 +194,8 @@ def _estimated(measure: Measure, indicator: Indicator, results: Results, films) 
     summary = results.summary or {}
     parts = indicator.parts(measure)
     entries = {cause: entry_of(cause, measure.name) for cause in CAUSES}
-    parts |= {cause: summary[name] for cause, name in entries.items() if name in summary}
+    known = {cause: summary[name] for cause, name in entries.items() if name in summary}
+    parts |= known
     film = indicator.film_of(measure.owner)
     if measure.key not in GRID or measure.shown:
         return measure
@@ -203,13 +203,7 @@ def _estimated(measure: Measure, indicator: Indicator, results: Results, films) 
         return replace(measure, uncertainty=Uncertainty(None, "grid", DIVERGES))
     if "grid" not in parts:
         return replace(measure, uncertainty=Uncertainty(None, "", reason(results, films)))
-    return replace(measure, uncertainty=combined(parts))
-
-
-def measures_of(case: Case, path: Path) -> dict[str, float]:
-    """Return the measures of a design of a results file."""
-    with Results(path) as run:
-        return measures(case, run).design
+    return replace(measure, uncertainty=combined(parts, signed=bool(known)))
 
 
 def directions(case: Case) -> dict[str, str]:

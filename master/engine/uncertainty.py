@@ -7,7 +7,7 @@ is missing, and the text names the largest known one.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import floor, hypot, log10
 
 from ..results.pictures import handy_unit, scaled
@@ -33,11 +33,17 @@ class Uncertainty:
         "grid", "step", "modes" or "period": the largest part.
     reason : str
         Why it is unknown.
+    parts : mapping of str to float
+        Parts by cause.
+    signed : bool
+        Whether the parts of grid and step are those of `run --uncertainty`, with their signs.
     """
 
     value: float | None = None
     contributor: str = ""
     reason: str = "the run has no data for an estimate"
+    parts: Mapping[str, float] = field(default_factory=dict[str, float])
+    signed: bool = False
 
 
 UNKNOWN = Uncertainty()
@@ -49,12 +55,12 @@ def entry_of(cause: str, name: str) -> str:
     return f"uncertainty_{cause}_{name}"
 
 
-def combined(parts: Mapping[str, float]) -> Uncertainty:
+def combined(parts: Mapping[str, float], signed: bool = False) -> Uncertainty:
     """Return the uncertainty of parts by cause, unknown without any part."""
     if not parts:
         return UNKNOWN
     largest = max(parts, key=lambda cause: abs(parts[cause]))
-    return Uncertainty(hypot(*parts.values()), largest, "")  # Eq. (X47)
+    return Uncertainty(hypot(*parts.values()), largest, "", dict(parts), signed)  # Eq. (X47)
 
 
 def display_unit(unit: str, largest: float) -> tuple[float, str]:

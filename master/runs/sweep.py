@@ -173,26 +173,35 @@ def resolved(path, runs):
     return for_all(point, runs)
 
 
-def run_point(tree, case_folder, output):
+COMPUTED = "second_grid"
+"""Column of points whose uncertainties come from a second grid and doubled steps."""
+
+
+def run_point(tree, case_folder, output, uncertainty=False):
     """Build, run and summarise one point, in any process.
+
+    `uncertainty` computes those of its figures from a second grid and doubled steps.
 
     Returns
     -------
     dict
         status ("done", "failed" or "bad input") and message. For a finished run also the measures
-        of the design, the summary of the case and the truncation error.
+        of the design with their uncertainties, the summary of the case and the truncation error.
     """
     from ..case.system import open_system
-    from ..engine.measures import measures_of
+    from ..engine.answer import row_of
     from ..engine.truncation import state_truncation
     from .run import run
+    from .uncertainty import state_uncertainty
 
     folder = Path(case_folder)
     try:
         case = check_case(tree, case_folder)
         summary = run(open_system(case, folder, _silent), case, tree, Path(output))
         missed = state_truncation(tree, folder, Path(output), _silent)
-        measured = measures_of(case, Path(output))
+        if uncertainty:
+            state_uncertainty(tree, folder, Path(output), _silent)
+        measured = row_of(case, Path(output)) | ({COMPUTED: True} if uncertainty else {})
         return {"status": "done", "message": ""} | measured | summary | missed
     except BadInput as error:
         return {"status": "bad input", "message": "; ".join(error.faults)}
@@ -210,6 +219,7 @@ def sweep(
     folder: Path,
     executor: Any,
     watch: Callable[[dict[str, Any], int, int], object] = lambda row, done, total: None,
+    uncertainty: bool = False,
 ) -> list[dict[str, Any]]:
     """Run the unfinished points; write a row for each into the table of `table_for`.
 
@@ -224,6 +234,8 @@ def sweep(
     executor : concurrent.futures.Executor
         Runs the points. Its processes must have access to the same folders.
     watch : callable(row, done, total)
+    uncertainty : bool
+        Compute the uncertainty of figures from a second grid and doubled steps.
 
     Returns
     -------
@@ -238,19 +250,24 @@ def sweep(
         If there is no disk space for the rows. Finished points remain finished.
     """
     with sole_writer(Path(folder) / "sweep.csv"):
-        return _sweep(points, case_folder, folder, executor, watch)
+        return _sweep(points, case_folder, folder, executor, watch, uncertainty)
 
 
-def _sweep(points, case_folder, folder, executor, watch):
+def _sweep(points, case_folder, folder, executor, watch, uncertainty):
     table = table_for(folder, points)
     runs = Path(folder) / "runs"
     with writing(runs):
         runs.mkdir(parents=True, exist_ok=True)
-    kept = {k: _done(runs / f"{point.name}.json") for k, point in enumerate(points)}
+    needed = (COMPUTED,) if uncertainty else ()
+    kept = {k: _done(runs / f"{point.name}.json", needed) for k, point in enumerate(points)}
     rows = {k: row for k, row in kept.items() if row}
     waiting = {
         executor.submit(
-            run_point, p.tree, str(case_folder), str((runs / f"{p.name}.h5").resolve())
+            run_point,
+            p.tree,
+            str(case_folder),
+            str((runs / f"{p.name}.h5").resolve()),
+            *([True] if uncertainty else []),
         ): k
         for k, p in enumerate(points)
         if k not in rows
@@ -293,11 +310,14 @@ def _belongs(path, axes, names):
     return set(before) == axes and all(row["results"] in names for row in rows)
 
 
-def _done(path):
-    """Return the row of a finished point, None if it has not run, has failed or is damaged."""
+def _done(path, needed=()):
+    """Return the row of a finished point, None if it has not run, has failed or is damaged.
+
+    `needed` : entries without which it has to run again.
+    """
     try:
         row = json.loads(path.read_text())
-        return row if row["status"] == "done" else None
+        return row if row["status"] == "done" and {*needed} <= row.keys() else None
     except (OSError, ValueError, KeyError, TypeError):
         return None
 

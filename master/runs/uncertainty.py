@@ -44,9 +44,9 @@ def state_uncertainty(
 ) -> dict[str, float | str]:
     """Add the uncertainty from grid and step to the summary of a finished run.
 
-    Eq. (X48):  u_grid = 3 |f - f_grid|,   u_step = 1.25 |f_grid - f_both|
+    Eq. (X48):  u_grid = 3 (f - f_grid),   u_step = 1.25 (f_grid - f_both)
                 f is a figure of the run, f_grid that on the second grid, f_both that on the second
-                grid with doubled steps
+                grid with doubled steps; the sign tells errors that two runs share
 
     Parameters
     ----------
@@ -91,8 +91,8 @@ def differences(own: Measures, second: Measures, third: Measures) -> dict[str, f
         grid, both = (table.of(one.key, one.owner) for table in (second, third))
         if grid and both:
             # Eq. (X48)
-            entries[entry_of("grid", one.name)] = GRID_SAFETY * abs(one.value - grid.value)
-            entries[entry_of("step", one.name)] = STEP_SAFETY * abs(grid.value - both.value)
+            entries[entry_of("grid", one.name)] = GRID_SAFETY * (one.value - grid.value)
+            entries[entry_of("step", one.name)] = STEP_SAFETY * (grid.value - both.value)
     return entries
 
 

@@ -46,7 +46,7 @@ SLOW = (
 QUICK = (
     *("list", "--help", "--version", "* --help", "keys*", "new *", "check *", "profile *"),
     *("run my_engine*", "run data_sheet*", "run case.toml*", "run two_mass_oscillator"),
-    *("results plot *", "results report *", "results scalars *", "results fields *"),
+    *("compare *", "results plot *", "results report *", "results scalars *", "results fields *"),
     *("results snapshot *", "results movie *", "resume *"),
     *("fmu info *", "fmu check *", "fmu build my_film.py*", "fmu build models/*"),
     *("fmu build ehd --grid *", "fmu build ehd --output *"),

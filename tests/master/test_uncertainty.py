@@ -173,15 +173,15 @@ def test_an_unrecorded_film_is_a_reason(tmp_path):
 
 
 def test_differences_of_further_runs_by_hand():
-    """The figure is 10, 12 on the second grid, and 13 there with doubled steps: 6 and 1.25."""
+    """The figure is 10, 12 on the second grid, and 13 there with doubled steps: -6 and -1.25."""
 
     def table(value):
         return Measures(all=[Measure("slap_energy_j", "slap", value, "J", "bodies")])
 
     found = further.differences(table(10.0), table(12.0), table(13.0))
     assert found == {
-        "uncertainty_grid_slap_energy_j_bodies": 6.0,
-        "uncertainty_step_slap_energy_j_bodies": 1.25,
+        "uncertainty_grid_slap_energy_j_bodies": -6.0,
+        "uncertainty_step_slap_energy_j_bodies": -1.25,
     }
 
 
