@@ -128,7 +128,7 @@ def difference(one: Measure, other: Measure, alike: bool) -> Difference:
     factor, label = display_unit(one.unit, max(abs(size), own))
     text = f"{numbers_text(factor * size, factor * own)} {label}".strip()
     sign = 1 if size > 0.0 else -1
-    return Difference(*texts, f"+{text}" if sign > 0 else text, size, sign * BETTER[one.key])
+    return Difference(*texts, f"+{text}" if sign > 0 else text, size, sign * BETTER.get(one.key, 0))
 
 
 def leaves(tree: Any, key: str = "") -> dict[str, Any]:

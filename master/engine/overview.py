@@ -12,6 +12,7 @@ import numpy as np
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
 from ..results.file import Results
+from .comparison import NOT_DISTINGUISHABLE, difference, differing, grids
 from .measures import NO_IMPACT, Measure, Measures, value_text, without_trace
 from .uncertainty import display_unit
 
@@ -20,24 +21,38 @@ LEAST_CHANGE = 0.005
 
 
 class Comparison(NamedTuple):
-    """Result of every run in one unit. A run that lacks it has None and an empty note."""
+    """Result of every run in one unit. A run that lacks it has None and an empty note.
+
+    spreads : uncertainty of every run, None if it is unknown; clear : whether the difference of the
+    first run from each run is larger than its uncertainty, or the uncertainty is unknown;
+    computed : whether all uncertainties come from `run --uncertainty`.
+    """
 
     name: str
     unit: str
     values: list[float | None]
     notes: list[str]
+    spreads: list[float | None]
+    clear: list[bool]
+    computed: bool
 
-    def text(self, run: int) -> str:
+    def number(self, run: int) -> str:
         """Return the value of a run with three digits."""
         value = self.values[run]
         return "" if value is None else f"{value:.3g}"
+
+    def text(self, run: int) -> str:
+        """Return the value of a run with three digits and its uncertainty with two."""
+        spread = self.spreads[run]
+        return f"{self.number(run)} +- {spread:.2g}" if spread else self.number(run)
 
     def change(self, run: int) -> str:
         """Return the relative difference of the first run from another one, in percent."""
         first, other = self.values[0], self.values[run]
         if first is None or not other:
             return ""
-        return f"{100 * (first - other) / abs(other):+.0f} %".replace("-", "\N{MINUS SIGN}")
+        change = f"{100 * (first - other) / abs(other):+.0f} %".replace("-", "\N{MINUS SIGN}")
+        return change if self.clear[run] else f"{change}, {NOT_DISTINGUISHABLE}"
 
     def share(self, run: int) -> float:
         """Return the value of a run relative to the largest one, in percent."""
@@ -67,14 +82,17 @@ def overview(runs: dict[str, Results], tables: dict[str, Measures]) -> Overview 
     if not films:
         return None
 
+    steps = [grids(results.case) for results in runs.values()]
+    alike = [one == steps[0] for one in steps]
+
     def compared(results):
-        return _figures([list(results(table)) for table in tables.values()])
+        return _figures([list(results(table)) for table in tables.values()], alike)
 
     figures = compared(lambda table: _of_films(table, films))
     own = {film: compared(lambda table, film=film: _of_films(table, [film])) for film in films}
     ordered = sorted(own, key=lambda film: _margin(first, next(iter(tables.values())), film))
     return Overview(
-        _sentence(list(runs), figures),
+        _sentence(_names(runs), figures),
         conditions(first, films),
         figures,
         compared(_of_motion),
@@ -82,7 +100,16 @@ def overview(runs: dict[str, Results], tables: dict[str, Measures]) -> Overview 
     )
 
 
-def _figures(results: list[list[Measure]]) -> list[Comparison]:
+def _names(runs: dict[str, Results]) -> list[str]:
+    """Return the names of two runs: what differs in their cases, if these have one label."""
+    trees = [results.case for results in runs.values()]
+    names = list(runs)
+    if len(runs) != 2 or trees[0].get("label") != trees[1].get("label"):
+        return names
+    return list(differing(trees[0], trees[1], names))
+
+
+def _figures(results: list[list[Measure]], alike: list[bool]) -> list[Comparison]:
     """Return the measures of all runs for comparison, in suitable units."""
     named = [{one.label: one for one in own} for own in results]
     found = []
@@ -92,7 +119,16 @@ def _figures(results: list[list[Measure]]) -> list[Comparison]:
         unit = next(one.unit for one in known if one)
         factor, label = display_unit(unit, max(map(abs, values)))
         shown = [one.value * factor if one else None for one in known]
-        found.append(Comparison(name, label, shown, [one.note if one else "" for one in known]))
+        spreads = [one.uncertainty.value if one else None for one in known]
+        scaled = [spread and spread * factor for spread in spreads]
+        first = known[0]
+        clear = [
+            not (first and one) or difference(first, one, same).text != NOT_DISTINGUISHABLE
+            for one, same in zip(known, alike)
+        ]
+        notes = [one.note if one else "" for one in known]
+        computed = all(one is not None and one.uncertainty.signed for one in known)
+        found.append(Comparison(name, label, shown, notes, scaled, clear, computed))
     return found
 
 
@@ -194,14 +230,15 @@ def _sentence(labels, figures) -> str:
     if not known:
         return ""
     if len(labels) < 2 or any(one.values[1] is None for one in known):
-        said = _listed([f"the {one.name} is {one.text(0)} {one.unit}" for one in known])
+        said = _listed([f"the {one.name} is {one.number(0)} {one.unit}" for one in known])
         return f"{said[0].upper()}{said[1:]}."
     changes = [_change(one) for one in known]
     grouped = [
         f"{verb} {_listed([what for other, what in changes if other == verb])}"
         for verb in dict.fromkeys(verb for verb, _ in changes)
     ]
-    return f"{labels[0][0].upper()}{labels[0][1:]} instead of {labels[1]} {_listed(grouped)}."
+    begin = labels[0] if "." in labels[0] else f"{labels[0][0].upper()}{labels[0][1:]}"
+    return f"{begin} instead of {labels[1]} {_listed(grouped)}."
 
 
 def _listed(texts) -> str:
@@ -215,8 +252,13 @@ def _change(figure) -> tuple[str, str]:
     new, old = figure.values[:2]
     share = abs(new - old) / abs(old) if old else np.inf
     if share < LEAST_CHANGE:
-        return "keeps", f"the {figure.name} at {figure.text(0)} {figure.unit}"
+        return "keeps", f"the {figure.name} at {figure.number(0)} {figure.unit}"
+    if not figure.clear[1] and figure.computed:
+        return "does not clearly change", f"the {figure.name}"
     verb = "raises" if new > old else "lowers"
     if figure.name == "minimum film thickness" or not old:
-        return verb, f"the {figure.name} from {figure.text(1)} to {figure.text(0)} {figure.unit}"
+        return (
+            verb,
+            f"the {figure.name} from {figure.number(1)} to {figure.number(0)} {figure.unit}",
+        )
     return verb, f"the {figure.name} by {100 * share:.0f} %"
