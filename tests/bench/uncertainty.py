@@ -1,0 +1,136 @@
+"""Uncertainties next to true errors: closed forms of films, and engines against finer runs.
+
+    python tests/bench/uncertainty.py            the films: seconds
+    python tests/bench/uncertainty.py --engines  also two rigid engines against grids and steps four
+                                                 times finer: ten minutes of processor time
+
+A line has the figure, its true error, its uncertainty from a second grid (and doubled steps), their
+ratio, and the estimate from the run alone over that uncertainty. The last lines count.
+"""
+
+import argparse
+import tempfile
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+import piston_cosim as pc
+from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.engine.measures import measures
+from piston_cosim.master.results.file import Results
+from piston_cosim.master.runs.uncertainty import COARSER, GRID_SAFETY, state_uncertainty
+from piston_cosim.tests.verification.cases.film import (
+    inclined_pad,
+    parabolic_slider,
+    parabolic_slider_exact,
+    pocket_slider,
+    squeeze_plate,
+)
+
+FINER = 4
+"""Cells in each direction and steps of the reference, over those of the engine."""
+GRID, STEP = 16, 2.0
+"""Cells of the engines in each direction, and their macro step [deg]."""
+
+
+class Row(NamedTuple):
+    """True error, uncertainty and estimate of a figure, relative to its value."""
+
+    name: str
+    error: float
+    uncertainty: float
+    estimate: float | None = None
+
+
+def of_grids(name, solve, cells, exact) -> Iterator[Row]:
+    """Yield the rows of a film on `cells`, with the uncertainty of Eq. (X48) from a second grid."""
+    own, second = solve(cells), solve(2 * round(cells / COARSER / 2))
+    for k, (value, other, true) in enumerate(zip(own, second, exact)):
+        if true is None:
+            continue
+        error, spread = abs(value - true), GRID_SAFETY * abs(value - other)
+        yield Row(f"{name} {k + 1}", error / abs(true), spread / abs(true))
+
+
+def films() -> Iterator[Row]:
+    """Yield the figures of films with closed forms and series."""
+    for ratio in (0.5, 1.0, 2.0):
+        twice = 2.0 + ratio
+        exact = (
+            6.0 / ratio**2 * (np.log1p(ratio) - 2.0 * ratio / twice),
+            4.0 * np.log1p(ratio) / ratio - 6.0 / twice,
+            3.0 * ratio / (2.0 * (1.0 + ratio) * twice),
+        )
+        yield from of_grids(f"pad K={ratio:g}", partial(inclined_pad, ratio=ratio), 40, exact)
+    for curvature in (0.5, 1.0, 2.0, 10.0):
+        exact = parabolic_slider_exact(curvature)
+        name = f"parabolic slider c={curvature:g}"
+        yield from of_grids(name, partial(parabolic_slider, curvature=curvature), 40, exact)
+    yield from of_grids("squeeze plate", squeeze_plate, 20, (0.421731, 0.88404))
+    pocket = 5.0020833e-7, 4.212927e-3, 475e3, 2779.753
+    yield from of_grids("pocket slider", pocket_slider, 200, pocket)
+
+
+def engines() -> Iterator[Row]:
+    """Yield the figures of two rigid engines against finer grids and steps."""
+    for name, variant in (("data_sheet", None), ("numerical_example", "rigid")):
+        case = pc.open_case(name, variant=variant)
+        with tempfile.TemporaryDirectory() as scratch:
+            files = [Path(scratch) / f"{factor}.h5" for factor in (1, FINER)]
+            trees = [_changed(case, factor) for factor in (1, FINER)]
+            for own, file in zip(trees, files):
+                own.run(file).close()
+            estimates = _figures(files[0])
+            state_uncertainty(trees[0].tree, case.path.parent, files[0], lambda line: None)
+            found, reference = (_figures(file) for file in files)
+        for key, one in found.items():
+            spread, size = one.uncertainty.value, abs(one.value)
+            if spread and size and key in reference:
+                error = abs(one.value - reference[key].value)
+                estimate = estimates[key].uncertainty.value
+                yield Row(f"{name} {key}", error / size, spread / size, estimate / size)
+
+
+def _changed(case, factor):
+    cells = [GRID * factor] * 2
+    changes = {f"participants.{one}.build.grid": cells for one in ("bodies", "ehd")}
+    return case.changed(changes | {"time.step": f"{STEP / factor:g} deg"})
+
+
+def _figures(path):
+    """Return the measures of a results file by name, without repetitions of one figure."""
+    with Results(path) as results:
+        table = measures(check_case(results.case, path), results)
+    skipped = {"mean_friction_power_w_ehd"}
+    return {
+        one.name: one
+        for one in table.estimated
+        if one.name not in skipped and not one.key.startswith("largest")
+    }
+
+
+def main():
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--engines", action="store_true")
+    rows = [*films(), *(engines() if parser.parse_args().engines else ())]
+    for row in rows:
+        ratio = row.uncertainty / row.error if row.error else np.inf
+        judged = "inside" if row.error <= row.uncertainty else "OUTSIDE"
+        share = "" if row.estimate is None else f"{row.estimate / row.uncertainty:8.2f}"
+        shown = f"{row.name:60s} {row.error:9.2%} {row.uncertainty:9.2%} {ratio:8.2f}"
+        print(f"{shown} {judged:8s}{share}")
+    inside = sum(row.error <= row.uncertainty for row in rows)
+    ratios = [row.uncertainty / row.error for row in rows if row.error]
+    median = np.median(ratios)
+    print(f"inside: {inside} of {len(rows)}, median of uncertainty over error: {median:.2f}")
+    known = [row.estimate / row.uncertainty for row in rows if row.estimate is not None]
+    within = sum(1 / 3 <= ratio <= 3 for ratio in known)
+    print(f"estimates of one run within a factor of 3 of the uncertainty: {within} of {len(known)}")
+
+
+if __name__ == "__main__":
+    main()
