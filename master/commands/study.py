@@ -1,11 +1,13 @@
 """`piston-cosim study`."""
 
+from math import isnan, nan
 from pathlib import Path
 
 from rich.table import Table
 
 from ..case.reading import find_case
-from ..results.pictures import draw
+from ..engine.uncertainty import numbers_text
+from ..results.pictures import draw, entry_shown
 from ..runs import studies
 from ..runs import sweep as sweeps
 from ..runs.pool import LocalPool
@@ -25,7 +27,8 @@ def command(
     """Run a study of a case.
 
     The command prints the cost of each run and its distance from the reference run, and draws
-    pictures. It skips runs that an earlier call finished.
+    pictures. If the study has sizes, the command also prints the value to which each summary entry
+    tends, with its uncertainty and the observed order. It skips runs that an earlier call finished.
 
     Example: piston-cosim study numerical_example modes
 
@@ -61,8 +64,7 @@ def command(
     orders = studies.observed_orders(chosen, said)
     last = {"observed order": orders} if orders else {}
     if chosen.summary:
-        values = {row.run: row.summary for row in said} | last
-        console.print(_shown(values, "summary [SI]", chosen.summary))
+        console.print(_summary(said, chosen.summary, studies.limits(chosen, said)))
     if chosen.curves:
         distances = {row.run: row.distances for row in said} | last
         title = f"rms distance from {chosen.reference} / its range"
@@ -74,6 +76,26 @@ def command(
     tell(f"table    {sweeps.write_table([row.record() for row in said], folder / 'study.csv')}")
     for picture in draw(checked, runs, folder, format):
         tell(f"picture  {picture}")
+
+
+def _summary(said, names, limits):
+    """Return the table of summary entries in suitable units, and the limits to which they tend."""
+    columns = []
+    for name in names:
+        values = [row.summary.get(name, nan) for row in said]
+        limit = limits.get(name)
+        more = [limit.value, limit.uncertainty] if limit else []
+        head, shown = entry_shown(name, [*values, *more])
+        cells = ["" if isnan(value) else _digits(value) for value in shown[: len(values)]]
+        if limit:
+            order = "none" if isnan(limit.order) else f"{limit.order:.2g}"
+            cells += [numbers_text(*shown[len(values) :]), order]
+        columns.append((head, cells))
+    table = Table("", *(head for head, _ in columns), box=None, title="summary")
+    ends = ["extrapolated", "observed order"] if limits else []
+    for k, label in enumerate([*(row.run for row in said), *ends]):
+        table.add_row(label, *(cells[k] for _, cells in columns))
+    return table
 
 
 def _shown(values, title, names):

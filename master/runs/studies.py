@@ -115,6 +115,53 @@ def _study_row(study, case, row, results, reference):
     )
 
 
+class Limit(NamedTuple):
+    """Value to which the summary entry of a study tends, its uncertainty, and the observed order.
+
+    The order is NaN if the values do not converge monotonically with one. Then the value is that of
+    the finest run.
+    """
+
+    value: float
+    uncertainty: float
+    order: float
+
+
+SAFETY, SAFETY_WITHOUT = 1.25, 3.0
+"""Factors of safety with an observed order and without one [Roache1994]."""
+
+
+def limits(study, rows) -> dict[str, Limit]:
+    """Return the limit of each entry of `study.summary`, from the finest three `study.sizes`.
+
+    Eq. (W5):  u* = u_3 + (u_3 - u_2)/((h_2/h_3)^p - 1),   U = 1.25 |u* - u_3|
+               p by Eq. (W4). Without an order, u* = u_3 and U is three times the largest difference
+               between two of the three values.
+
+    Returns
+    -------
+    dict
+        Empty if a point has not finished.
+
+    References
+    ----------
+    [Roache1994]
+    """
+    labels, size = _sized(study)
+    found: dict[str, Limit] = {}
+    for name, order in observed_orders(study, rows).items():
+        if name not in study.summary:
+            continue
+        values = [_done(rows)[label].summary[name] for label in labels]
+        _, middle, fine = values
+        if np.isnan(order):
+            found[name] = Limit(fine, SAFETY_WITHOUT * float(np.ptp(values)), order)
+        else:
+            rest = (fine - middle) / ((size[1] / size[2]) ** order - 1.0)  # Eq. (W5)
+            found[name] = Limit(fine + rest, SAFETY * abs(rest), order)
+    return found
+
+
 def observed_orders(study, rows) -> dict[str, float]:
     """Return the observed order p of each entry of `study.summary`, from three `study.sizes`.
 
@@ -128,15 +175,26 @@ def observed_orders(study, rows) -> dict[str, float]:
         Empty if a point has not finished. NaN if the values do not converge monotonically with an
         order of 0.01 to 10.
     """
-    done = {row.run: row for row in rows if row.cost}
-    labels = sorted(study.sizes, key=study.sizes.__getitem__, reverse=True)
+    labels, size = _sized(study)
+    done = _done(rows)
     if not labels or any(label not in done for label in labels):
         return {}
-    size = np.array([study.sizes[label] for label in labels]) / study.sizes[labels[0]]
     values = {name: [done[label].summary[name] for label in labels] for name in study.summary}
     if labels[-1] == study.reference:
         values |= {port: [done[label].distances[port] for label in labels] for port in study.curves}
     return {name: _order(size, several) for name, several in values.items()}
+
+
+def _done(rows):
+    """Return the rows of finished runs by label."""
+    return {row.run: row for row in rows if row.cost}
+
+
+def _sized(study):
+    """Return the labels of a study's sizes, coarsest first, and the sizes over the largest one."""
+    labels = sorted(study.sizes, key=study.sizes.__getitem__, reverse=True)
+    sizes = np.array([study.sizes[label] for label in labels])
+    return labels, sizes / sizes[0] if labels else sizes
 
 
 def _order(size, values):

@@ -11,6 +11,7 @@ from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.runs.studies import (
     Cost,
     StudyRow,
+    limits,
     observed_orders,
     study_points,
     study_rows,
@@ -98,3 +99,8 @@ def test_observed_order_of_a_power_of_the_size(order):
     assert orders["y"] == pytest.approx(order, rel=1e-9)
     assert np.isnan(orders["noise"])
     assert observed_orders(study, rows[1:]) == {}
+    # u* = 3, and the finest value is 1 below it; without an order, 4, 0.25 and 1 differ by 3.75
+    found = limits(study, rows)
+    assert found["film"] == pytest.approx((3.0, 1.25, order), rel=1e-9)
+    assert found["noise"][:2] == pytest.approx((1.0, 3 * 3.75)) and np.isnan(found["noise"].order)
+    assert {*found} == {*study.summary} and limits(study, rows[1:]) == {}
