@@ -1,0 +1,95 @@
+"""Comparison of two runs: differences of their cases, and those of figures that are clear."""
+
+import pytest
+
+from piston_cosim.master.engine.comparison import (
+    NOT_DISTINGUISHABLE,
+    compared,
+    difference,
+    differing,
+    grids,
+    spread,
+)
+from piston_cosim.master.engine.measures import Measure, Measures
+from piston_cosim.master.engine.uncertainty import DIVERGES, Uncertainty, combined
+
+KEY = "minimum_film_thickness_m"
+
+
+def film(value, grid, step=0.0, signed=True):
+    """Return a minimum film thickness with parts of its uncertainty [µm]."""
+    parts = {"grid": 1e-6 * grid, "step": 1e-6 * step}
+    label = "minimum film thickness"
+    known = combined(parts, signed)
+    return Measure(KEY, label, 1e-6 * value, "m", "ehd", uncertainty=known)
+
+
+def test_errors_that_two_runs_share_cancel():
+    """The parts are 4 and 3 µm with one sign, so that 1 µm and a fifth of 5 µm remain."""
+    one, other = film(2.0, 4.0), film(3.0, 3.0)
+    assert spread(one, other, alike=True) == pytest.approx(1e-6)
+    assert spread(one, other, alike=False) == pytest.approx(5e-6)
+    assert spread(film(2.0, 4.0), film(3.0, -3.0), alike=True) == pytest.approx(7e-6)
+    assert spread(film(2.0, 4.0), film(3.0, 4.0), alike=True) == pytest.approx(0.2 * 32**0.5 * 1e-6)
+    estimates = film(2.0, 4.0, signed=False), film(3.0, 3.0, signed=False)
+    assert spread(*estimates, alike=True) == pytest.approx(5e-6)
+
+
+def test_causes_add_as_squares():
+    one, other = film(2.0, 4.0, 1.0), film(3.0, 1.0, -3.0)
+    assert spread(one, other, alike=True) == pytest.approx(5e-6)  # 3 and 4 µm
+
+
+def test_a_difference_below_its_uncertainty_is_not_distinguishable():
+    clear = difference(film(5.0, 4.0), film(3.0, 3.0), True)
+    assert (clear.text, clear.better) == ("+2.0 +- 1.0 µm", 1)
+    assert clear.size == pytest.approx(2e-6)
+    same = difference(film(3.9, 4.0), film(3.0, 3.0), True)
+    assert (same.text, same.size, same.better) == (NOT_DISTINGUISHABLE, 0.0, 0)
+
+
+def test_a_figure_without_an_uncertainty_has_no_difference():
+    def pressure(reason):
+        unknown = Uncertainty(None, "", reason)
+        return Measure("maximum_pressure_pa", "maximum pressure", 1e8, "Pa", uncertainty=unknown)
+
+    found = difference(pressure(DIVERGES), pressure("not recorded"), True)
+    assert (found.text, found.size) == (DIVERGES, 0.0)
+    found = difference(pressure("not recorded"), pressure("not recorded"), True)
+    assert found.text == "uncertainty unknown: not recorded"
+
+
+def tree(file, oil="sae_0w_20", grid=(52, 20), label="base"):
+    """Return the tree of a case with a profile."""
+    bodies = {"build": {"piston": {"profiles": [{"file": file}]}, "grid": [*grid]}}
+    participants = {"bodies": bodies, "ehd": {"build": {"oil": oil, "grid": [*grid]}}}
+    return {"label": label, "time": {"step": "1 deg"}, "participants": participants}
+
+
+def test_what_differs_is_named_and_no_hash():
+    names = "84ef3fd8d20001ab", "e035b7a6f2f34567"
+    assert differing(tree("a/prof_a.csv"), tree("prof_b.csv"), names) == (
+        "prof_a.csv",
+        "prof_b.csv",
+    )
+    one, other = tree("prof_a.csv", "sae_30"), tree("prof_b.csv")
+    assert differing(one, other, names) == (
+        "prof_a.csv and oil sae_30",
+        "prof_b.csv and oil sae_0w_20",
+    )
+    fine, coarse = tree("a.csv", grid=(104, 40)), tree("a.csv")
+    assert differing(fine, coarse, names) == ("grid [104, 40]", "grid [52, 20]")
+    assert differing(coarse, tree("a.csv", label="other"), ("base", "other")) == ("base", "other")
+    assert grids(fine) != grids(coarse) == grids(tree("b.csv"))
+
+
+def test_the_headline_says_what_changes_and_which_is_better():
+    trees = tree("prof_a.csv"), tree("prof_b.csv")
+    tables = Measures(all=[film(3.0, 4.0)]), Measures(all=[film(5.0, 3.0)])
+    found = compared(("a", "b"), trees, tables)
+    assert found.headline == (
+        "prof_a.csv instead of prof_b.csv lowers the minimum film thickness by 2.0 +- 1.0 µm. "
+        "Better with prof_b.csv: minimum film thickness."
+    )
+    same = compared(("a", "b"), trees, (tables[0], tables[0]))
+    assert same.headline == "prof_a.csv instead of prof_b.csv makes no clear difference."
