@@ -5,6 +5,7 @@ Each is made in a copy of the package, which a new process runs.
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -93,6 +94,53 @@ COMMAND_OPTION = {
     ]
 }
 
+SPRING = re.search(r"(?ms)^```python\n(.*?)^```$", (ROOT / "CONTRIBUTING.md").read_text())[1]
+"""Force element between two bodies, as CONTRIBUTING has it."""
+MAGNET = '''
+"""Magnet on the thrust side that pulls the piston in one half of the revolution."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...master.fmi.compiled import compilable
+from .element import ForceElement, PointForce, PointMotion, declared
+
+
+@dataclass(frozen=True)
+class MagnetParameters:
+    magnet_force: float = declared("N", "Force of the magnet; 0: no magnet", 0.0, -1e4, 1e4)
+    magnet_reach: float = declared("m", "Distance of the magnet", 1e-3, 1e-4, 1.0)
+
+
+@compilable
+def magnet_force(p: MagnetParameters, at: PointMotion) -> PointForce:
+    share = p.magnet_reach / (p.magnet_reach - at.x)
+    strength = p.magnet_force * (1 + np.cos(at.crank_angle)) / 2
+    return PointForce(strength * share**2 - 0.5 * at.vx, 0.0, 0.0)
+
+
+@compilable
+def magnet_change(p: MagnetParameters, at: PointMotion, by: PointMotion) -> PointForce:
+    share = p.magnet_reach / (p.magnet_reach - at.x)
+    strength = p.magnet_force * (1 + np.cos(at.crank_angle)) / 2
+    change = 2 * strength * share**3 / p.magnet_reach * by.x - 0.5 * by.vx
+    return PointForce(change, 0.0, 0.0)
+
+
+MAGNET = ForceElement(MagnetParameters, magnet_force, magnet_change)
+'''
+FORCE_ELEMENTS = {
+    "fmu_mfbd/force_elements/__init__.py": [
+        (
+            "import LAND_CONTACT\n",
+            "import LAND_CONTACT\nfrom .magnet import MAGNET\n"
+            "from .torsion_spring import TORSION_SPRING\n",
+        ),
+        ("(LAND_CONTACT,)", "(LAND_CONTACT, MAGNET, TORSION_SPRING)"),
+    ]
+}
+
 FILM = """
 import json, sys
 import numpy as np
@@ -128,6 +176,46 @@ for kind, path in files.items():
         }
         one.close()
 print("FOUND", json.dumps(found))
+"""
+
+BODIES = """
+import json, sys
+import numpy as np
+from pathlib import Path
+from piston_cosim.master.fmi.builder import build_fmu
+from piston_cosim.master.fmi.builder_native import build_native_fmu
+from piston_cosim.master.fmi.compiler import this_platform
+from piston_cosim.master.participants.fmi2 import FmuParticipant
+
+folder, given, kind = Path(sys.argv[1]), json.loads(sys.argv[2]), sys.argv[3]
+rigid = {"mass": "1.39 kg", "centre": ["0 mm", "26.5 mm"], "inertia": "0.003 kg*m^2"}
+build = {
+    "grid": [8, 6],
+    "piston": {
+        "rigid": rigid | {"radius": "54.95 mm"},
+        "skirt_lower": "-45.5 mm",
+        "skirt_upper": "37.3 mm",
+        "pin_offset": "0 mm",
+    },
+    "block": {"rigid": {"radius": "55 mm"}, "bore_lower": "90 mm", "bore_upper": "360 mm"},
+}
+if kind == "native":
+    path = build_native_fmu("fmu_mfbd", build, folder, print, platforms=[this_platform()])
+else:
+    path = build_fmu("fmu_mfbd", build, folder, print)
+names = ("lateral_displacement", "rocking_angle", "lateral_velocity", "rocking_velocity")
+outputs = {}
+for name, values in given.items():
+    bodies = FmuParticipant("bodies", path)
+    bodies.start(values, 0.0, 1.0)
+    rows = []
+    for k in range(4):
+        bodies.step(k * 1e-4, 1e-4)
+        of_all = (*names, "crank_angle", "element_power")
+        rows.append([float(np.ravel(bodies.get(one))[0]) for one in of_all])
+    outputs[name] = rows
+    bodies.close()
+print("FOUND", json.dumps(outputs))
 """
 
 
@@ -185,3 +273,69 @@ def test_coupling_method_and_command_option(tmp_path):
     assert "two_mass_oscillator" in done.stdout
     assert "order of" not in done.stdout  # of its title
     assert json.loads(summary.read_text())["mean_iterations"] > 1.0
+
+
+ENGINE = {
+    "crank_radius": 0.072,
+    "rod_length": 0.223,
+    "rod_mass": 1.7,
+    "rod_inertia": 0.017,
+    "rod_centre": 0.072,
+    "pin_mass": 0.5,
+    "crank_speed": 0.0,
+}
+STILL = {
+    "magnet": {
+        "magnet_force": 50.0,
+        "magnet_reach": 1e-3,
+        "start_crank_angle": 1.0,
+        "start_lateral_displacement": 20e-6,
+        "ring_side_force": -50.0 * (1 + np.cos(1.0)) / 2 / 0.98**2,
+    },
+    "spring": {
+        "spring_stiffness": 2e3,
+        "start_rocking_angle": 1e-3,
+        "ring_moment": 2.0,
+        "ring_side_force": 2.0 / ENGINE["rod_length"],
+    },
+}
+"""Equilibria: the rings balance the magnet, or the spring, whose reaction on the rod pushes A."""
+MOVING = {
+    "magnet_force": 50.0,
+    "spring_stiffness": 2e3,
+    "spring_damping": 0.5,
+    "crank_speed": 100.0,
+    "start_rocking_angle": 1e-3,
+}
+
+
+@pytest.mark.parametrize("kind", ["python", pytest.param("native", marks=pytest.mark.slow)])
+def test_force_elements_on_a_piston_and_between_two_bodies(kind, tmp_path):
+    """One file and one declaration each: a body load, and a spring at the joint of the pin.
+
+    At rest they balance given forces. In motion the power of the magnet is its force times its
+    velocity. Python runs without compilation.
+    """
+    environment = changed(tmp_path, FORCE_ELEMENTS)
+    for name, text in (("magnet", MAGNET), ("torsion_spring", SPRING)):
+        (tmp_path / f"piston_cosim/fmu_mfbd/force_elements/{name}.py").write_text(text)
+    runs = {name: ENGINE | one for name, one in STILL.items()}
+    runs |= {f"{name} alone": one | {"ring_side_force": 0.0} for name, one in runs.items()}
+    moving = ENGINE | MOVING
+    runs |= {"moving": moving, "pulled": moving | {"spring_stiffness": 0.0}}
+    interpreted = {"NUMBA_DISABLE_JIT": "1"} if kind == "python" else {}
+    printed = script(BODIES, tmp_path, json.dumps(runs), kind, env=environment | interpreted)
+    outputs = {
+        name: np.array(rows) for name, rows in json.loads(printed.split("FOUND ")[1]).items()
+    }
+    for name, one in STILL.items():
+        start = [one.get(f"start_{key}", 0.0) for key in ("lateral_displacement", "rocking_angle")]
+        # positions of 0.3 m leave 1e-16 m of a displacement, and 1e-9 of the acceleration
+        np.testing.assert_allclose(outputs[name][:, :2], [start] * 4, rtol=1e-9, atol=1e-14)
+        free = np.abs(outputs[f"{name} alone"][:, 2:4]).max()
+        assert np.abs(outputs[name][:, 2:4]).max() < 1e-9 * free
+    x, _, v, _, angle, power = outputs["pulled"].T
+    force = 25.0 * (1 + np.cos(angle)) * (1e-3 / (1e-3 - x)) ** 2 - 0.5 * v
+    np.testing.assert_allclose(power, force * v, rtol=1e-9)
+    assert np.all(np.abs(power) > 1e-6)
+    assert np.abs(outputs["moving"] - outputs["pulled"]).max() > 1e-6
