@@ -8,7 +8,7 @@
 
 Cases       open_case, Case, sweep
 Results     open_results, Results
-Parts       Film, reduce_bodies
+Parts       Film, bearing, reduce_bodies
 Own models  Slave, variables, couple
 FMUs        build_fmu, open_fmu
 Citation    cite
@@ -29,6 +29,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .fmu_ehd.alone import Film
+    from .fmu_ehd.bearing import bearing
     from .master.api.bodies import reduce_bodies
     from .master.api.cases import Case, open_case, sweep
     from .master.api.cite import cite
@@ -50,6 +51,7 @@ __all__ = [
     "Results",
     "Slave",
     "StepFailed",
+    "bearing",
     "build_fmu",
     "cite",
     "couple",
@@ -69,6 +71,7 @@ _PLACES = {
     "Results": "master.results.file",
     "Slave": "master.fmi.slave:FieldSlave",
     "StepFailed": "master.coupling.stepping",
+    "bearing": "fmu_ehd.bearing",
     "build_fmu": "master.api.fmus",
     "cite": "master.api.cite",
     "couple": "master.api.coupled",

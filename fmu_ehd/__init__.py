@@ -17,6 +17,6 @@ summary     scalars of a film in one pass over its cells
 contradictions: between parameters
 
 In Python: parameters, surroundings, model (`advance` and `tangent`), journal (under a load), alone
-(`piston_cosim.Film`).
+(`piston_cosim.Film`), bearing (`piston_cosim.bearing`) and its picture.
 The FMU: variables, slave, build, preview. Without Python: native (memory and entries).
 """

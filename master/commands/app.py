@@ -28,6 +28,7 @@ COMMANDS = {
     "new": "Write a case of your own engine.",
     "check": "Check a case without a run.",
     "profile": "Read a measured profile of a skirt, judge and draw it.",
+    "bearing": "Compute a journal bearing under a constant load.",
     "keys": "List the keys of a case file.",
     "list": "List the shipped cases.",
     "compare": "Compare the main results of two runs.",

@@ -44,7 +44,17 @@ SLOW = (
     *("fmu export my_engine *", "fmu export numerical_example *", "fmu export *.ssp*"),
 )
 QUICK = (
-    *("list", "--help", "--version", "* --help", "keys*", "new *", "check *", "profile *"),
+    *(
+        "list",
+        "--help",
+        "--version",
+        "* --help",
+        "keys*",
+        "new *",
+        "check *",
+        "profile *",
+        "bearing *",
+    ),
     *("run my_engine*", "run data_sheet*", "run case.toml*", "run two_mass_oscillator"),
     *("compare *", "results plot *", "results report *", "results scalars *", "results fields *"),
     *("results snapshot *", "results movie *", "resume *"),

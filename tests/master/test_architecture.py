@@ -29,6 +29,7 @@ OUTER = {
     "reducing.py",
     "offline.py",
     "alone.py",
+    "bearing.py",
     "preview.py",
     "preview_remarks.py",
     "preview_temperatures.py",
