@@ -35,6 +35,8 @@ MECHANISM = dict(
     top_ring_height=60e-3,
     second_ring_height=50e-3,
 )
+LAND = dict(land_stiffness=1e6, land_damping=1.0, land_clearance=1e-9, land_height=30e-3)
+"""Contact of the top land, which a motion in space does not have."""
 PIN = {"grid": [24, 4], "boss_length": "25 mm", "small_end_length": "36 mm"}
 BEARING = {"length": "20 mm", "grid": [24, 4]}
 INERTIA = {"inertia_x": "0.003 kg*m^2", "inertia_y": "0.003 kg*m^2"}
@@ -81,7 +83,7 @@ NONE = {
     "tied crank": RIGID | ON_BORE | WARNED | AXIAL,
     "free crank": RIGID | ON_BORE | AXIAL | {"crank_speed"},
     "mounted crank": RIGID | ON_BORE | WARNED | AXIAL,
-    "space": RIGID | ON_BORE | WARNED | STOPS,
+    "space": RIGID | ON_BORE | WARNED | STOPS | LAND.keys() - {"land_stiffness"},
     "mounted": RIGID | ON_BORE | WARNED,
     "outside": RIGID | WARNED,
     "outside floating": RIGID | WARNED | AXIAL,
@@ -89,7 +91,7 @@ NONE = {
 FRICTION = {"pin_friction_coefficient", "pin_friction_speed", "pin_friction_damping"}
 FLOATING = ("floating", "bending", "crank", "free crank", "mounted crank", "outside floating")
 REJECTED = dict.fromkeys(FLOATING, FRICTION)
-REJECTED["space"] = {"crank_free"}
+REJECTED["space"] = {"crank_free", "land_stiffness"}
 
 SIZE = {"Pa": 1e5, "N": 10.0, "N.m": 3.0, "m/s2": 50.0, "rad/s2": 100.0, "m": 1e-6}
 """Sizes of inputs, and of parameters whose default is 0."""
@@ -111,11 +113,12 @@ class Bodies:
             shutil.copy(file, folder)
         (folder / "build.json").write_text(json.dumps(self.options))
         self.folder, self.start = folder, FREE if kind.startswith("free") else {}
+        self.sizes = MECHANISM if kind == "space" else MECHANISM | LAND
         self.variables = {one.name: one for one in Mfbd.variables(self.options)}
 
     def slave(self, values):
         one = Mfbd(instance_name="bodies", resources=str(self.folder))
-        for name, value in (MECHANISM | self.start | values).items():
+        for name, value in (self.sizes | self.start | values).items():
             one.views[name][...] = value
         one.exit_initialization_mode()
         return one
@@ -143,12 +146,12 @@ class Bodies:
         }
 
 
-def changed(variable):
+def changed(variable, sizes):
     """Return another value of a parameter in its range."""
     if variable.name in SPECIAL:
         return SPECIAL[variable.name]
-    if variable.name in MECHANISM:
-        return 1.001 * MECHANISM[variable.name]
+    if variable.name in sizes:
+        return 1.001 * sizes[variable.name]
     value = 1.5 * variable.start or OTHER.get(variable.unit, 0.5)
     high = np.inf if variable.maximum is None else variable.maximum
     return min(value, high)
@@ -165,7 +168,7 @@ def test_everything_has_an_effect_or_is_rejected(kind, tmp_path):
         elif variable.causality == "parameter" and not variable.choices:
             if name in bodies.start:
                 continue
-            found = bodies.outputs({name: changed(variable)})
+            found = bodies.outputs({name: changed(variable, bodies.sizes)})
         else:
             continue
         if found is None:
