@@ -13,7 +13,7 @@ from ..geometry.pin import PinForces
 from ..mechanism.chain import Chain, Loads
 from ..mechanism.cylinder import BODY, EYE, film_of, floats, piston_of
 from ..mechanism.equations import friction_at
-from ..mechanism.laws import from_block, law_power
+from ..mechanism.laws import between, from_block, law_power
 from ..mechanism.loads import MOMENT, REACTION
 from ..mechanism.solution import Linearisation, arrow_product, solve_motion
 from .bdf2 import STATIC, auxiliary_after, limit_plays, predicted_of, reach_of
@@ -203,6 +203,9 @@ def _pin_force(of, loads, own, film_power):
             out[X] -= loads.wrench[e, X]
             out[Y] -= loads.wrench[e, Y]
             out[TURN] += loads.wrench[e, REACTION]
+        by_laws = between(of.chain, loads, piston_of(of.chain), BODY.pin)
+        out[X] += by_laws[X]
+        out[Y] += by_laws[Y]
         return out, film_power
     last, turning = piston_of(of.chain), own.motion.velocity
     out[X], out[Y] = own.joints[last, X], own.joints[last, Y]

@@ -344,8 +344,8 @@ CHOICES = {"gas_source": GAS_SOURCES, "film_symmetry": FILM_SYMMETRIES}
 """Values of the parameters that are choices, which kernels know by their numbers from 1 on."""
 WALL_PARAMETERS = {"skirt": SkirtTemperatureParameters, "bore": BoreTemperatureParameters}
 """Wall -> parameters of its temperature."""
-ELEMENT_PARAMETERS = tuple(one.parameters for one in FORCE_ELEMENTS)
-"""Parameters of force elements, which every body FMU has."""
+ELEMENT_PARAMETERS = tuple(dict.fromkeys(one.parameters for one in FORCE_ELEMENTS))
+"""Parameters of force elements, which every body FMU has. Several elements may share a class."""
 DECLARED = (
     Parameters,
     PinParameters,

@@ -9,6 +9,7 @@ from ..geometry.pin import diameters, yielded
 from ..geometry.surfaces import pin_surface_at
 from ..mechanism.chain import NONE, Loads
 from ..mechanism.cylinder import BODY, EYE, PIN, film_of, floats
+from ..mechanism.laws import between
 from ..mechanism.loads import REACTION
 from .floating_frame import X, Y
 from .generalised_alpha import Motion
@@ -104,6 +105,7 @@ def pin_scalars(of: BodySystem, now: Motion, loads: Loads) -> PinScalars:
         _wrench_of(loads, in_big_end),
         _wrench_of(loads, in_main),
     )
+    by_laws = between(of.chain, loads, BODY.rod, BODY.pin) if floats(of.chain) else np.zeros(2)
     wider = _widened(of, position, in_eye)
     wider_end = _widened(of, position, in_big_end)
     wider_main = _widened(of, position, in_main)
@@ -116,8 +118,8 @@ def pin_scalars(of: BodySystem, now: Motion, loads: Loads) -> PinScalars:
         small_end_displacement_y=small_end[1],
         pin_angle=spin,
         pin_rotation_speed=spinning,
-        small_end_force_x=-eye[X],
-        small_end_force_y=-eye[Y],
+        small_end_force_x=by_laws[X] - eye[X],
+        small_end_force_y=by_laws[Y] - eye[Y],
         small_end_friction_moment=eye[REACTION],
         pin_tilt_x=tilt[0],
         pin_tilt_y=tilt[1],

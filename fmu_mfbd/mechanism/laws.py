@@ -9,7 +9,7 @@ from ...master.fmi.compiled import compilable, packed
 from ..dynamics.floating_frame import TURN, X, Y
 from ..force_elements import FORCE_ELEMENTS
 from ..force_elements.element import PointForce, PointMotion
-from .chain import Chain, Elements, Loads
+from .chain import BLOCK, Chain, Elements, Loads
 from .equations import point_of
 from .loads import no_loads
 from .motion import ChainChange, ChainMotion, MotionChanges
@@ -190,10 +190,23 @@ def _relative_change(elements, at, own, d, e, j, by):
 def from_block(chain: Chain, loads: Loads) -> np.ndarray:
     """Return the sum of the forces of laws whose reaction acts on the block, (2,) [N]."""
     out = np.zeros(2)
-    for e in range(len(chain.elements.acts) - len(chain.laws.kind), len(chain.elements.acts)):
-        if chain.elements.reacts[e] < 0:
-            out[X] += loads.wrench[e, X]
-            out[Y] += loads.wrench[e, Y]
+    for body in range(len(chain.bodies.mass) if len(chain.laws.kind) > 0 else 0):
+        out += between(chain, loads, body, BLOCK)
+    return out
+
+
+@compilable
+def between(chain: Chain, loads: Loads, body: int, other: int) -> np.ndarray:
+    """Return the sum of the forces of laws on a body from another one, (2,) [N]."""
+    elements, out = chain.elements, np.zeros(2)
+    for e in range(len(elements.acts) - len(chain.laws.kind), len(elements.acts)):
+        sign = 0.0
+        if elements.acts[e] == body and elements.reacts[e] == other:
+            sign = 1.0
+        elif elements.acts[e] == other and elements.reacts[e] == body:
+            sign = -1.0
+        out[X] += sign * loads.wrench[e, X]
+        out[Y] += sign * loads.wrench[e, Y]
     return out
 
 

@@ -130,14 +130,48 @@ def magnet_change(p: MagnetParameters, at: PointMotion, by: PointMotion) -> Poin
 
 MAGNET = ForceElement(MagnetParameters, magnet_force, magnet_change)
 '''
+BUSHINGS = '''
+"""Joints of a floating pin: bushings instead of films in piston and rod."""
+
+from dataclasses import dataclass
+
+from ...master.fmi.compiled import compilable
+from .element import ForceElement, PointForce, PointMotion, declared
+
+
+@dataclass(frozen=True)
+class BushingParameters:
+    bushing_stiffness: float = declared("N/m", "Stiffness of the bushings", 0.0, 0.0, 1e9)
+    bushing_damping: float = declared("N.s/m", "Damping of the bushings", 0.0, 0.0, 1e6)
+
+
+@compilable
+def bushing_force(p: BushingParameters, at: PointMotion) -> PointForce:
+    k, d = p.bushing_stiffness, p.bushing_damping
+    moment = -1e-4 * (k * at.angle + d * at.spin)
+    return PointForce(-k * at.x - d * at.vx, -k * at.y - d * at.vy, moment)
+
+
+@compilable
+def bushing_change(p: BushingParameters, at: PointMotion, by: PointMotion) -> PointForce:
+    return bushing_force(p, by)
+
+
+BOSSES, EYE = (
+    ForceElement(BushingParameters, bushing_force, bushing_change, acts="pin", reacts=body)
+    for body in ("piston", "rod")
+)
+'''
 FORCE_ELEMENTS = {
     "fmu_mfbd/force_elements/__init__.py": [
         (
             "import LAND_CONTACT\n",
-            "import LAND_CONTACT\nfrom .magnet import MAGNET\n"
+            "import LAND_CONTACT\n"
+            "from .bushings import BOSSES, EYE\n"
+            "from .magnet import MAGNET\n"
             "from .torsion_spring import TORSION_SPRING\n",
         ),
-        ("(LAND_CONTACT,)", "(LAND_CONTACT, MAGNET, TORSION_SPRING)"),
+        ("(LAND_CONTACT,)", "(LAND_CONTACT, MAGNET, TORSION_SPRING, BOSSES, EYE)"),
     ]
 }
 
@@ -199,22 +233,24 @@ build = {
     },
     "block": {"rigid": {"radius": "55 mm"}, "bore_lower": "90 mm", "bore_upper": "360 mm"},
 }
-if kind == "native":
-    path = build_native_fmu("fmu_mfbd", build, folder, print, platforms=[this_platform()])
-else:
-    path = build_fmu("fmu_mfbd", build, folder, print)
-names = ("lateral_displacement", "rocking_angle", "lateral_velocity", "rocking_velocity")
+pin = {"grid": [12, 4], "boss_length": "25 mm", "small_end_length": "36 mm"}
 outputs = {}
-for name, values in given.items():
-    bodies = FmuParticipant("bodies", path)
-    bodies.start(values, 0.0, 1.0)
-    rows = []
-    for k in range(4):
-        bodies.step(k * 1e-4, 1e-4)
-        of_all = (*names, "crank_angle", "element_power")
-        rows.append([float(np.ravel(bodies.get(one))[0]) for one in of_all])
-    outputs[name] = rows
-    bodies.close()
+for joint, runs in given.items():
+    own = build | ({"floating_pin": pin} if joint == "floating" else {})
+    if kind == "native":
+        path = build_native_fmu("fmu_mfbd", own, folder, print, platforms=[this_platform()])
+    else:
+        path = build_fmu("fmu_mfbd", own, folder, print)
+    for name, (values, steps) in runs.items():
+        bodies = FmuParticipant("bodies", path)
+        bodies.start(values, 0.0, 1.0)
+        rows = []
+        for k in range(steps):
+            bodies.step(k * 1e-4, 1e-4)
+            scalars = [one for one, v in bodies.fields.items() if not v.shape and "_" in one]
+            rows.append({one: float(np.ravel(bodies.get(one))[0]) for one in scalars})
+        outputs[name] = {one: [row[one] for row in rows] for one in rows[0]}
+        bodies.close()
 print("FOUND", json.dumps(outputs))
 """
 
@@ -307,35 +343,56 @@ MOVING = {
     "crank_speed": 100.0,
     "start_rocking_angle": 1e-3,
 }
+BUSHED = {"bushing_stiffness": 1e7, "bushing_damping": 5e3, "gas_pressure": 1e4}
 
 
 @pytest.mark.parametrize("kind", ["python", pytest.param("native", marks=pytest.mark.slow)])
-def test_force_elements_on_a_piston_and_between_two_bodies(kind, tmp_path):
-    """One file and one declaration each: a body load, and a spring at the joint of the pin.
+def test_load_of_a_body_force_between_two_and_elastic_joint(kind, tmp_path):
+    """Each of them is one file and its entries: magnet, torsion spring, and bushings of the pin.
 
     At rest they balance given forces. In motion the power of the magnet is its force times its
     velocity. Python runs without compilation.
     """
     environment = changed(tmp_path, FORCE_ELEMENTS)
-    for name, text in (("magnet", MAGNET), ("torsion_spring", SPRING)):
+    for name, text in (("magnet", MAGNET), ("torsion_spring", SPRING), ("bushings", BUSHINGS)):
         (tmp_path / f"piston_cosim/fmu_mfbd/force_elements/{name}.py").write_text(text)
-    runs = {name: ENGINE | one for name, one in STILL.items()}
-    runs |= {f"{name} alone": one | {"ring_side_force": 0.0} for name, one in runs.items()}
+    resting = {name: ENGINE | one for name, one in STILL.items()}
+    alone = {f"{name} alone": one | {"ring_side_force": 0.0} for name, one in resting.items()}
     moving = ENGINE | MOVING
-    runs |= {"moving": moving, "pulled": moving | {"spring_stiffness": 0.0}}
+    turning = {"moving": moving, "pulled": moving | {"spring_stiffness": 0.0}}
+    runs = {
+        "tied": {name: (one, 4) for name, one in (resting | alone | turning).items()},
+        "floating": {"bushings": (ENGINE | BUSHED, 300)},
+    }
     interpreted = {"NUMBA_DISABLE_JIT": "1"} if kind == "python" else {}
     printed = script(BODIES, tmp_path, json.dumps(runs), kind, env=environment | interpreted)
-    outputs = {
-        name: np.array(rows) for name, rows in json.loads(printed.split("FOUND ")[1]).items()
-    }
+    outputs = json.loads(printed.split("FOUND ")[1])
     for name, one in STILL.items():
-        start = [one.get(f"start_{key}", 0.0) for key in ("lateral_displacement", "rocking_angle")]
-        # positions of 0.3 m leave 1e-16 m of a displacement, and 1e-9 of the acceleration
-        np.testing.assert_allclose(outputs[name][:, :2], [start] * 4, rtol=1e-9, atol=1e-14)
-        free = np.abs(outputs[f"{name} alone"][:, 2:4]).max()
-        assert np.abs(outputs[name][:, 2:4]).max() < 1e-9 * free
-    x, _, v, _, angle, power = outputs["pulled"].T
+        for key in ("lateral_displacement", "rocking_angle"):
+            # positions of 0.3 m leave 1e-16 m of a displacement
+            start = one.get(f"start_{key}", 0.0)
+            np.testing.assert_allclose(outputs[name][key], start, rtol=1e-9, atol=1e-14)
+        rates, free = (
+            np.array([of_run["lateral_velocity"], of_run["rocking_velocity"]])
+            for of_run in (outputs[name], outputs[f"{name} alone"])
+        )
+        assert np.abs(rates).max() < 1e-9 * np.abs(free).max()
+    x, v, angle, power = (
+        np.array(outputs["pulled"][key])
+        for key in ("lateral_displacement", "lateral_velocity", "crank_angle", "element_power")
+    )
     force = 25.0 * (1 + np.cos(angle)) * (1e-3 / (1e-3 - x)) ** 2 - 0.5 * v
     np.testing.assert_allclose(power, force * v, rtol=1e-9)
     assert np.all(np.abs(power) > 1e-6)
-    assert np.abs(outputs["moving"] - outputs["pulled"]).max() > 1e-6
+    tilts = (outputs[name]["rocking_velocity"] for name in ("moving", "pulled"))
+    assert np.abs(np.subtract(*tilts)).max() > 1e-3
+    gas = BUSHED["gas_pressure"] * np.pi * 0.055**2
+    at_end = {key: value[-1] for key, value in outputs["bushings"].items()}
+    for key, wanted in (
+        ("pin_displacement_y", gas / BUSHED["bushing_stiffness"]),
+        ("small_end_displacement_y", -gas / BUSHED["bushing_stiffness"]),
+        ("pin_force_y", gas),
+        ("small_end_force_y", -gas),
+    ):
+        # after 27 time constants, 2 m/c with 1.39 kg on half of the damping
+        assert at_end[key] == pytest.approx(wanted, rel=1e-9)
