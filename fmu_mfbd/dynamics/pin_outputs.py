@@ -6,7 +6,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.pin import diameters, yielded
-from ..geometry.surfaces import pin_surface_at
+from ..geometry.surfaces import pin_surface_at, pins_of
 from ..mechanism.chain import NONE, Loads
 from ..mechanism.cylinder import BODY, EYE, PIN, film_of, floats
 from ..mechanism.laws import between
@@ -67,6 +67,9 @@ DECLARED = [(name, Annotated[float, *row]) for name, *row in PIN_OUTPUTS]
 PinScalars = NamedTuple("PinScalars", DECLARED)
 """Their values, as `drive.Scalars`; 0 if their part is absent."""
 
+NO_PIN = PinScalars(*[0.0] * len(PinScalars._fields))
+"""Those of a tied pin on a crank without films."""
+
 
 @compilable
 def _wrench_of(loads, e):
@@ -87,6 +90,8 @@ def _widened(of, position, e):
 @compilable
 def pin_scalars(of: BodySystem, now: Motion, loads: Loads) -> PinScalars:
     """Return the scalar outputs at an instant."""
+    if pins_of(of.pin_surfaces) == 0:
+        return NO_PIN
     position, play = now.position, of.chain.joints.play
     tilt, sag = np.zeros(2), np.zeros(2)
     in_eye, spin, spinning = NONE, 0.0, 0.0

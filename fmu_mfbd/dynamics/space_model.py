@@ -36,7 +36,7 @@ from .motion_in_space import (
     tangent,
     with_pin,
 )
-from .pin_outputs import PinScalars
+from .pin_outputs import NO_PIN
 from .piston_motion import LATERAL, RIGID, ROCKING, lateral_motion
 from .response import Response, load_change
 from .skirt_films import (
@@ -116,10 +116,6 @@ class SpaceScalars(NamedTuple):
     moment_on_block_y: Annotated[
         float, "N.m", "Moment of bore, deck and main bearings on the block about y", 10.0
     ]
-
-
-NO_PIN = PinScalars(*[0.0] * len(PinScalars._fields))
-"""Outputs of a pin that is tied."""
 
 
 class PistonInSpace(PistonInBore):
