@@ -50,7 +50,7 @@ def test_a_killed_run_continues_with_the_same_bits(tmp_path):
 def test_native_participants_give_the_curves_of_those_in_python(tmp_path):
     """Every curve agrees to 1e-6 of its range at a tolerance of 0.1 nm.
 
-    The films are native. The bodies are not, because their pin bends.
+    The films are native, and the bodies are those in Python.
     """
     needs_compiler()
     tree = tight(whole_engine(), "0.1 nm")

@@ -160,8 +160,8 @@ def returned(rng, pushed):
 def test_no_film_returns_a_pin():
     """None of 1000 random pins returns more than 3 % of the speed with which it came.
 
-    Films cavitate: only what closes bears. Half of the pins are also pushed. BDF2 alone returns up
-    to half of the speed.
+    Films cavitate: only what closes bears. Half of the pins are also pushed. BDF2 alone returns 984
+    of them faster than that, up to the total speed.
     """
     rng = np.random.default_rng(2)
     shares = np.array([returned(rng, k % 2) for k in range(1000)])
