@@ -8,6 +8,9 @@ friction     friction power, mean effective pressure and share of contact of all
 headlines    film, pressure, friction, side force, slap, oil: ten lines
 impacts      impacts of a piston on the bore: energy lost, and the edge that strikes
 oil_balance  oil that passes the edges of a film in a period
+uncertainty  parts of the uncertainty of a figure, the rule that combines them, and its text
+indicator    estimate of these parts from one run
+comparison   difference of the figures of two runs, and of their cases
 verdicts     checks: pass, warning, fail
 truncation   truncation error of the modes of flexible bodies
 places       position of the extreme value of a film, by side, angle and height
