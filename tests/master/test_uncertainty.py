@@ -176,13 +176,18 @@ def test_differences_of_further_runs_by_hand():
     """The figure is 10, 12 on the second grid, and 13 there with doubled steps: -6 and -1.25."""
 
     def table(value):
-        return Measures(all=[Measure("slap_energy_j", "slap", value, "J", "bodies")])
+        known = Uncertainty(1.0)
+        return Measures(
+            all=[Measure("slap_energy_j", "slap", value, "J", "bodies", uncertainty=known)]
+        )
 
     found = further.differences(table(10.0), table(12.0), table(13.0))
     assert found == {
         "uncertainty_grid_slap_energy_j_bodies": -6.0,
         "uncertainty_step_slap_energy_j_bodies": -1.25,
     }
+    found = further.differences(table(10.0), table(13.0))
+    assert found == {"uncertainty_grid_slap_energy_j_bodies": -9.0}
 
 
 def test_trees_of_further_runs():
@@ -199,14 +204,14 @@ def test_trees_of_further_runs():
 
 
 def test_further_runs_continue_from_the_settled_state(tmp_path):
-    """Three periods of a run allow two, after a quarter in which the film forgets its start."""
+    """Three periods of a run allow one, after a quarter in which the film forgets its start."""
     names = ("crank_angle", "rotation_speed", "lateral_displacement", "rocking_angle")
     known = {f"bodies.{name}": ([0.0, float(k)], "1") for k, name in enumerate(names)}
     run = InMemory([0.0, 1.0], known)
     run.summary = {"periods": 3}
     tree = read_tree(find_case("data_sheet"), [("time.until_periodic", 1e-3)])
     made = further.continued(tree, run, tmp_path)
-    assert made["time"]["stop"] == "1620 deg"
+    assert made["time"]["stop"] == "900 deg"
     start = json.loads((tmp_path / "bodies.json").read_text())
     assert start == {name: float(k) for k, name in enumerate(names)}
     assert made["participants"]["bodies"]["build"]["start"] == str(tmp_path / "bodies.json")
