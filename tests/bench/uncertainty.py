@@ -1,14 +1,17 @@
 """Uncertainties next to true errors: closed forms of films, and engines against finer runs.
 
-    python tests/bench/uncertainty.py            the films: seconds
-    python tests/bench/uncertainty.py --engines  also two rigid engines against grids and steps four
-                                                 times finer: ten minutes of processor time
+    python tests/bench/uncertainty.py                    the films: seconds
+    python tests/bench/uncertainty.py --engines FOLDER   also two rigid engines against grids and
+                                                         steps four times finer: ten minutes
+
+FOLDER keeps the runs of the engines.
 
 A line has the figure, its true error, its uncertainty from a second grid (and doubled steps), their
 ratio, and the estimate from the run alone over that uncertainty. The last lines count.
 """
 
 import argparse
+import shutil
 import tempfile
 from collections.abc import Iterator
 from functools import partial
@@ -74,18 +77,19 @@ def films() -> Iterator[Row]:
     yield from of_grids("pocket slider", pocket_slider, 200, pocket)
 
 
-def engines() -> Iterator[Row]:
+def engines(folder: Path) -> Iterator[Row]:
     """Yield the figures of two rigid engines against finer grids and steps."""
     for name, variant in (("data_sheet", None), ("numerical_example", "rigid")):
         case = pc.open_case(name, variant=variant)
-        with tempfile.TemporaryDirectory() as scratch:
-            files = [Path(scratch) / f"{factor}.h5" for factor in (1, FINER)]
-            trees = [_changed(case, factor) for factor in (1, FINER)]
-            for own, file in zip(trees, files):
+        files = [folder / f"{name}_{factor}.h5" for factor in (1, FINER)]
+        trees = [_changed(case, factor) for factor in (1, FINER)]
+        for own, file in zip(trees, files):
+            if not file.exists():
                 own.run(file).close()
-            estimates = _figures(files[0])
-            state_uncertainty(trees[0].tree, case.path.parent, files[0], lambda line: None)
-            found, reference = (_figures(file) for file in files)
+        with tempfile.TemporaryDirectory() as scratch:
+            computed = Path(shutil.copy(files[0], scratch))
+            state_uncertainty(trees[0].tree, case.path.parent, computed, lambda line: None)
+            estimates, found, reference = map(_figures, (files[0], computed, files[1]))
         for key, one in found.items():
             spread, size = one.uncertainty.value, abs(one.value)
             if spread and size and key in reference:
@@ -115,8 +119,9 @@ def _figures(path):
 def main():
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--engines", action="store_true")
-    rows = [*films(), *(engines() if parser.parse_args().engines else ())]
+    parser.add_argument("--engines", type=Path)
+    folder = parser.parse_args().engines
+    rows = [*films(), *(engines(folder) if folder else ())]
     for row in rows:
         ratio = row.uncertainty / row.error if row.error else np.inf
         judged = "inside" if row.error <= row.uncertainty else "OUTSIDE"
