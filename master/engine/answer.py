@@ -85,7 +85,7 @@ def uncertainty_text(table: Measures, summary: dict) -> str:
             of = names[0] if len(names) == 1 else f"{len(names)} figures"
             said.append(f"The uncertainty of {of} is unknown: {reason}.")
     if why := summary.get("uncertainty_reason"):
-        said.append(f"The second grid gives none: {why}.")
+        said.append(f"A second grid is not possible: {why}.")
     return " ".join(said)
 
 

@@ -83,7 +83,7 @@ def state_uncertainty(
                 for k, one in enumerate([*both, longer(second)])
             ]
         except (BadInput, Stopped) as why:
-            entries["uncertainty_reason"] = f"a further run failed: {str(why).splitlines()[0]}"
+            entries["uncertainty_reason"] = str(why).splitlines()[0]
         else:
             entries |= differences(own, *found)
     add_to_summary(output, entries)
@@ -115,16 +115,19 @@ def _periods(results):
 def coarser(tree: dict[str, Any]) -> dict[str, Any]:
     """Return the tree with fewer cells, an even number around.
 
-    Raises `BadInput` if a film has no grid or a grid of several surfaces.
+    Raises `BadInput` if a film has no grid, or a body has several film surfaces.
     """
     made = deepcopy(tree)
     builds = [table.get("build", {}) for table in made["participants"].values()]
     if any("film_surfaces" in build for build in builds):
-        raise BadInput("grid: expected one film surface of a body, got several")
+        raise BadInput("expected one film surface of a body, got several")
     films = players(tree, "lubrication")
     lacking = [name for name in films if "grid" not in tree["participants"][name].get("build", {})]
     if lacking or not films:
-        raise BadInput(f"grid: expected a film with build.grid, got none of {lacking or 'no film'}")
+        got = (
+            f"none in {', '.join(lacking)}" if lacking else 'no participant with role "lubrication"'
+        )
+        raise BadInput(f"expected films with build.grid, got {got}")
     for build in builds:
         if "grid" in build:
             build["grid"] = [max(4, 2 * round(n / COARSER / 2)) for n in build["grid"]]

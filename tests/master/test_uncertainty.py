@@ -199,7 +199,7 @@ def test_trees_of_further_runs():
     assert third["time"]["step"] == "2 deg" and second["time"]["step"] == "1 deg"
     assert tree["participants"]["ehd"]["build"]["grid"] == [40, 40]
     del tree["participants"]["ehd"]["build"]["grid"]
-    with pytest.raises(BadInput, match="expected a film with build.grid"):
+    with pytest.raises(BadInput, match="expected films with build.grid, got none in ehd"):
         further.coarser(tree)
 
 
