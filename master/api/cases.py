@@ -265,6 +265,7 @@ def sweep(
     output: str | Path | None = None,
     workers: int | None = None,
     progress: Callable[[dict[str, Any], int, int], object] = lambda row, done, total: None,
+    uncertainty: bool = False,
 ) -> list[dict[str, Any]]:
     """Run a case over all combinations of values of its keys.
 
@@ -282,13 +283,16 @@ def sweep(
         `if __name__ == "__main__":` around it, as with all of Python's processes.
     progress : callable, optional
         Called with (row, number done, number of all) after each run.
+    uncertainty : bool
+        Compute the uncertainty of the main results from a second grid and doubled steps.
 
     Returns
     -------
     list of dict
         A row for each run, in the order of the combinations: its values, `results` (its file, a
-        path in the folder), `status` ("done", "failed", "bad input"), `message`, and the entries of
-        its summary. `pandas.DataFrame(rows)` is a table.
+        path in the folder), `status` ("done", "failed", "bad input"), `message`, the measures of a
+        design with their uncertainties (`NAME_uncertainty`), and the entries of its summary.
+        `pandas.DataFrame(rows)` is a table.
 
     Raises
     ------
@@ -305,4 +309,4 @@ def sweep(
     folder = Path(output or Path("results") / f"sweep_{case.name}").absolute()
     sweeps.build_all(sweeps.unfinished(points, folder), case.path.parent, log.info)
     with LocalPool(workers) as executor:
-        return sweeps.sweep(points, case.path.parent, folder, executor, progress)
+        return sweeps.sweep(points, case.path.parent, folder, executor, progress, uncertainty)

@@ -5,7 +5,7 @@ import pytest
 
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.engine.answer import answer
+from piston_cosim.master.engine.answer import answer, row_of
 from piston_cosim.master.engine.friction import (
     contact_share,
     friction_pressure,
@@ -283,6 +283,20 @@ def test_the_first_screen_by_hand(tmp_path):
     assert said["run"] == "1440 deg (2 periods) in 10 steps, wall time 3 s"
     assert said["checks"] == "6 pass"
     assert len(shown.lines) <= 12
+
+
+def test_a_row_of_a_sweep_by_hand(tmp_path):
+    """The row has the measures, why their uncertainty is unknown, and the worst check."""
+    with made(tmp_path, pressure=60e6) as results:
+        row = row_of(check_case(results.case, PATH), results.path)
+    assert row["minimum_film_thickness_m"] == 5e-6
+    assert row["largest_rocking_angle_rad"] == pytest.approx(np.radians(0.1))
+    assert row["slap_energy_j"] == pytest.approx(2e-3) and row["contact_share"] == pytest.approx(
+        0.04
+    )
+    assert row["slap_energy_j_uncertainty"] == "record.fields lacks ehd.pressure"
+    assert row["worst_check"] == "pressure: warning"
+    assert not any(isinstance(value, dict) for value in row.values())
 
 
 def test_a_run_shorter_than_a_period_has_no_fmep_and_no_oil_per_period(tmp_path):
