@@ -1,6 +1,6 @@
-"""Charts of a report as data: curves and maps of one instant, in sections.
+"""Charts as data: curves and maps of one instant, in sections.
 
-The layers above choose them, and the page's script draws them (templates/page.js).
+The layers above choose them. The script of a page draws them (templates/page.js), and `pictures`.
 """
 
 from collections.abc import Sequence
@@ -10,15 +10,12 @@ from typing import Any, Literal
 import numpy as np
 
 from ..case.shown import Axes
+from ..case.tables import reduced
+from ..fmi.quantities import to_si
 from .coordinates import crank_angle_port
+from .maps import contour_levels
 from .packing import Columns, packed_frames
-from .pictures import (
-    labelled,
-    name_of,
-    names_of,
-    scaled,
-    windows_of,
-)
+from .words import common_words, labelled, name_of, names_of, scaled
 
 Dash = Literal["solid", "dash", "dot", "dashdot"]
 DASHES: tuple[Dash, ...] = ("solid", "dash", "dot", "dashdot")
@@ -51,6 +48,17 @@ class Band:
 
 
 @dataclass(frozen=True)
+class Extreme:
+    """Lowest or highest point of a curve: `sign` "ring" or "cross", number of the run, value."""
+
+    sign: str
+    run: int
+    x: float
+    y: float
+    text: str
+
+
+@dataclass(frozen=True)
 class Corridor:
     """Shaded range of the ordinate along the abscissa, and its label."""
 
@@ -75,6 +83,7 @@ class Chart:
     cursor: bool = False
     logarithmic: bool = False
     bands: Sequence[Band] = ()
+    extremes: Sequence[Extreme] = ()
     corridor: Corridor | None = None
     around: bool = False
 
@@ -122,40 +131,103 @@ def picture_section(case, runs) -> Section:
     drawn: list[Drawn] = []
     for picture in case.pictures:
         if picture.kind == "lines":
-            panels = [_panel(case, picture, ports, runs) for ports in picture.y]
-            drawn += [panel for panel in panels if panel.curves]
+            drawn += line_charts(case, picture, runs, shown_unit(case, picture.x, picture.units))
     return Section("Curves", drawn)
 
 
-def _panel(case, picture, ports, runs):
-    curves = []
-    x_unit = y_unit = ""
+def line_charts(case, picture, runs, x_unit) -> list[Chart]:
+    """Return a chart for each entry of `y` of a picture, for pages and pictures.
+
+    An output that is zero is omitted if another one of its panel is not, or another run. A panel
+    whose outputs no run has is omitted.
+
+    Parameters
+    ----------
+    case : Case
+    picture : Picture
+        Of kind `lines`.
+    runs : dict of str to Results
+    x_unit : str or None
+        Unit of the abscissa. Default: SI.
+    """
+    alone = names_of([ports[0] for ports in picture.y if len(ports) == 1])
+    charts = [
+        _line_chart(case, picture, ports, runs, x_unit, alone.get(ports[0], common_words(ports)))
+        for ports in picture.y
+    ]
+    return [chart for chart in charts if chart.curves]
+
+
+def _line_chart(case, picture, ports, runs, x_unit, title):
+    having = {
+        port: [one for one in runs.values() if {port, picture.x} <= {*one.ports, "time"}]
+        for port in ports
+    }
+    is_zero = {
+        port: not any(one.series(port).values.any() for one in found)
+        for port, found in having.items()
+    }
+    ports = [port for port in ports if not is_zero[port]] or ports
+    own, curves, extremes, shown, unit = _own_words(ports), [], [], "", ""
     for k, (label, results) in enumerate(runs.items()):
         for dash, port in zip(DASHES, ports):
-            if not {port, picture.x} <= {*results.ports, "time"}:
+            if results not in having[port]:
                 continue
             x, si, _ = results.series(picture.x)
-            x, x_unit = scaled(x, si, shown_unit(case, picture.x, picture.units))
+            x, shown = scaled(x, si, x_unit)
             y, si, _ = results.series(port)
-            y, y_unit = scaled(y, si, picture.units.get(port))
-            name = label if len(ports) == 1 else f"{label}, {names_of(ports)[port]}"
-            curves.append(Curve(name, k, x, y, dash))
-    windows = windows_of(ports, case.window, picture.units, next(iter(runs.values())))
-    expected = {
-        limits: " and ".join(kind for kind, other in windows.items() if other == limits)
-        for limits in windows.values()
-    }
-    words = " + ".join(name_of(port) for port in ports)
+            y, unit = scaled(y, si, picture.units.get(port))
+            parts = [label] * (len(ports) == 1 or len(runs) > 1) + own[port]
+            if y.any() or is_zero[port]:
+                curves.append(Curve(", ".join(parts), k, x, y, dash))
+                extremes += _extremes(port, k, x, y, unit) if len(ports) == 1 else []
     is_course = picture.x in ("time", crank_angle_port(case))
-    over = "" if is_course else f" over {name_of(picture.x)}"
     return Chart(
-        title=words + over if len(ports) == 1 else picture.title,
-        x=labelled(name_of(picture.x), x_unit),
-        y=labelled("" if len(ports) > 1 else words, y_unit),
+        title=title if is_course else f"{title} over {name_of(picture.x)}",
+        x=labelled(name_of(picture.x), shown),
+        y=labelled(title, unit),
         curves=curves,
+        extremes=extremes,
         cursor=picture.x == (crank_angle_port(case) or "time"),
-        bands=[Band(low, high, f"expected for {kinds}") for (low, high), kinds in expected.items()],
+        bands=_bands(ports, case.window, picture.units, next(iter(runs.values()))),
     )
+
+
+def _extremes(port, run, x, y, unit) -> list[Extreme]:
+    """Return the lowest point of a minimum, or the highest point of a maximum."""
+    name = port.rpartition(".")[2]
+    sign = "ring" if name.startswith("minimum_") else "cross" if name.startswith("maximum_") else ""
+    if not sign:
+        return []
+    k = int(y.argmin() if sign == "ring" else y.argmax())
+    return [Extreme(sign, run, float(x[k]), float(y[k]), f"{y[k]:.3g} {unit}".strip())]
+
+
+def _own_words(ports):
+    """Return what follows the shared words in each name, as a list; empty for one port."""
+    names, shared = names_of(ports), common_words(ports)
+    if len(ports) == 1:
+        return dict.fromkeys(ports, [])
+    return {port: [name.removeprefix(shared).strip(", ") or name] for port, name in names.items()}
+
+
+REDUCED = {"min": "lowest", "max": "highest", "mean": "mean", "last": "last"}
+"""Kinds of values with an expected range, in words."""
+
+
+def _bands(ports, window, units, results) -> list[Band]:
+    """Return the expected ranges of a chart's values in the units shown; equal ones are one."""
+    words: dict[tuple[float, float], list[str]] = {}
+    for text, pair in window.items():
+        kind, port = reduced(text)
+        if port in ports:
+            si = results.series(port)[1]
+            low, high = (float(scaled(to_si(v, si), si, units.get(port))[0]) for v in pair)
+            words.setdefault((low, high), []).append(REDUCED[kind])
+    return [
+        Band(*limits, f"expected for the {' and '.join(kinds)} value")
+        for limits, kinds in words.items()
+    ]
 
 
 def shown_unit(case, port, units):
@@ -240,11 +312,14 @@ def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
         }
         for stack, cells in zip(stacks, there)
     ]
+    low = float(min(np.nanmin(one) for one in shown))
+    high = float(max(np.nanmax(one) for one in shown))
     return {
         "name": name,
         "unit": unit,
-        "low": float(min(np.nanmin(one) for one in shown)),
-        "high": float(max(np.nanmax(one) for one in shown)),
+        "low": low,
+        "high": high,
+        "levels": contour_levels(low, high),
         "axes": [_axis(axes.first), _axis(axes.second)],
         "runs": runs,
     }

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 from matplotlib import colormaps, figure, rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgb
+from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from PIL import Image
+
+from .maps import STYLE
 
 PAPER: dict[Any, Any] = {
     "font.size": 8.0,
@@ -31,8 +33,15 @@ VECTOR_RESOLUTION = 72
 
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 """Colours of Okabe and Ito (2008), which differ for all kinds of colour vision."""
-COLOURS = colormaps["viridis"].with_extremes(bad="#d5dade")
-"""Colours of maps; cells without a film are grey."""
+NO_FILM = "#d5dade"
+"""Colour of the cells of a map without a film."""
+COLOURS = {
+    kind: LinearSegmentedColormap.from_list(kind, ramp).with_extremes(bad=NO_FILM)
+    for kind, ramp in STYLE["ramps"].items()
+} | {"field": colormaps["viridis"].with_extremes(bad=NO_FILM)}
+"""Colours of maps by kind of field."""
+RUPTURE = "#0a6b78"
+"""Colour of the line at which a film ruptures."""
 
 
 class Figure(figure.Figure):
@@ -98,13 +107,13 @@ def save(drawn: figure.Figure, path: Path, resolution: float = RESOLUTION) -> Pa
     with rc_context({"svg.fonttype": "none", "font.sans-serif": ["DejaVu Sans", "Arial"]}):
         drawn.savefig(data, format=path.suffix[1:], dpi=dpi)
     if path.suffix == ".png":
-        data = BytesIO(_with_palette(data.getvalue()))
+        data = BytesIO(_with_palette(data.getvalue(), kinds_of(drawn)))
     if path.suffix == ".svg":
         text = data.getvalue().decode()
         text = re.sub(r' d="[^"]*"', lambda part: re.sub(r"(\.\d)\d+", r"\1", part[0]), text)
         text = re.sub(
             r'(?<=png;base64,)[^"]+',
-            lambda part: b64encode(_with_palette(b64decode(part[0]))).decode(),
+            lambda part: b64encode(_with_palette(b64decode(part[0]), kinds_of(drawn))).decode(),
             text,
         )
         data = BytesIO(text.encode())
@@ -112,27 +121,49 @@ def save(drawn: figure.Figure, path: Path, resolution: float = RESOLUTION) -> Pa
     return path
 
 
-def _with_palette(image: bytes) -> bytes:
+def kinds_of(drawn: figure.Figure) -> tuple[str, ...]:
+    """Return the kinds of fields whose colours a figure has."""
+    names = {image.get_cmap().name for panel in drawn.axes for image in panel.images}
+    return tuple(kind for kind, colours in COLOURS.items() if colours.name in names)
+
+
+def _with_palette(image: bytes, kinds: tuple[str, ...]) -> bytes:
     """Return a PNG file with a palette."""
     data = BytesIO()
     with Image.open(BytesIO(image)) as opened:
         resolution = opened.info.get("dpi", (RESOLUTION, RESOLUTION))
-        with_palette(opened).save(data, "png", optimize=True, dpi=resolution)
+        with_palette(opened, kinds).save(data, "png", optimize=True, dpi=resolution)
     return data.getvalue()
 
 
-def with_palette(image: Image.Image) -> Image.Image:
-    """Return an image in the 256 colours of maps, greys and tints of the curves' colours."""
-    return image.convert("RGB").quantize(palette=_palette(), dither=Image.Dither.NONE)
+def with_palette(image: Image.Image, kinds: tuple[str, ...]) -> Image.Image:
+    """Return an image in the nearest of 256 colours: of maps, greys and tints of the curves.
+
+    The search of Pillow takes a colour near white for white.
+    """
+    palette = _palette(kinds)
+    pixels = np.asarray(image.convert("RGB"), dtype=np.int64) @ [1 << 16, 1 << 8, 1]
+    colours, index = np.unique(pixels, return_inverse=True)
+    known = np.stack([colours >> 16, colours >> 8 & 255, colours & 255], axis=1).astype(np.float32)
+    wanted = palette.astype(np.float32)
+    nearest = ((wanted**2).sum(axis=1) - 2.0 * known @ wanted.T).argmin(axis=1)
+    drawn = Image.fromarray(nearest.astype(np.uint8)[index.reshape(pixels.shape)])
+    drawn.putpalette(palette.ravel().tolist())
+    return drawn
 
 
 @cache
-def _palette() -> Image.Image:
+def _palette(kinds: tuple[str, ...]) -> np.ndarray:
+    """Return the colours of pictures with maps of these kinds, shape (256, 3)."""
+    kinds = kinds or ("field",)
+    greys = np.repeat(np.linspace(1.0, 0.0, 33)[:, None], 3, axis=1)
     tints = np.linspace(0.0, 1.0, 9)[1:, None]
-    maps = COLOURS(np.linspace(0.0, 1.0, 174))[:, :3]
-    greys = np.repeat(np.linspace(0.0, 1.0, 33)[:, None], 3, axis=1)
-    curves = [1.0 + tints * (np.array(to_rgb(colour)) - 1.0) for colour in PALETTE[:-1]]
-    colours = np.vstack([maps, [COLOURS.get_bad()[:3]], greys, *curves])
-    image = Image.new("P", (1, 1))
-    image.putpalette((255 * colours).round().astype(np.uint8).ravel().tolist())
-    return image
+    lines = [1.0 + tints * (np.array(to_rgb(colour)) - 1.0) for colour in (*PALETTE[:-1], RUPTURE)]
+    fixed = np.vstack([greys, to_rgb(NO_FILM), *lines])
+    count = 256 - len(fixed)
+    ends = np.linspace(0, count, len(kinds) + 1).astype(int)
+    maps = [
+        COLOURS[kind](np.linspace(0.0, 1.0, size))[:, :3]
+        for kind, size in zip(kinds, np.diff(ends))
+    ]
+    return (255 * np.vstack([fixed, *maps])).round().astype(np.uint8)

@@ -8,19 +8,11 @@ from PIL import Image
 
 from ..case.schema import Case
 from ..fmi.errors import BadInput, names_of, unknown
-from .figures import with_palette
+from .figures import kinds_of, with_palette
 from .file import Results
 from .instants import instant_text
-from .pictures import (
-    MapRow,
-    colour_norm,
-    draw_values,
-    labelled,
-    map_figure,
-    masked,
-    name_of,
-    scaled,
-)
+from .maps import field_map, map_row
+from .pictures import draw_values, map_figure
 
 PER_SECOND = 15
 """Number of instants per second of the movie."""
@@ -73,22 +65,20 @@ def write_movie(
         raise BadInput(faults)
     units = {port: unit for picture in maps for port, unit in picture.units.items()}
     chosen = chosen_instants(results, frames)
-    rows = {}
-    for port in ports:
-        dataset = results.dataset(port)
-        values, unit = scaled(dataset[:][chosen], dataset.attrs["unit"], units.get(port))
-        images = [masked(image, results.there(port)) for image in values]
-        rows[port] = MapRow(labelled(name_of(port), unit), images, colour_norm(images))
-    titles = [instant_text(results, float(time)) for time in results.instants[chosen]]
-    first, *others = (with_palette(Image.fromarray(one)) for one in _frames(case, rows, titles))
+    times = [float(time) for time in results.instants[chosen]]
+    rows = [
+        map_row([field_map(case, results, port, time, units) for time in times]) for port in ports
+    ]
+    titles = [instant_text(results, time) for time in times]
+    first, *others = _frames(rows, titles)
     first.save(path, append_images=others, save_all=True, duration=1000 // PER_SECOND, loop=0)
     return chosen
 
 
-def _frames(case, rows, titles):
-    """Yield a frame, shape (height, width, 3), for each title; axes are drawn once."""
-    first = {port: row._replace(images=row.images[:1]) for port, row in rows.items()}
-    figure, panels = map_figure(case, first)
+def _frames(rows, titles):
+    """Yield a frame as an image with a palette for each title; axes are drawn once."""
+    figure, panels = map_figure([row._replace(maps=row.maps[:1]) for row in rows])
+    kinds = kinds_of(figure)
     figure.set_dpi(RESOLUTION)
     title = figure.suptitle(titles[0])
     figure.canvas.draw()  # arranges the panels
@@ -100,20 +90,21 @@ def _frames(case, rows, titles):
     background = figure.canvas.copy_from_bbox(figure.bbox)
     for k, text in enumerate(titles):
         figure.canvas.restore_region(background)
-        for panel, (port, row) in zip(panels.flat, rows.items()):
-            draw_values(panel, row.images[k], row.norm, case.axes_of(port))
-            drawn = (panel.images, panel.collections, panel.texts, panel.spines.values())
-            for artist in chain(*drawn):
+        for panel, row in zip(panels.flat, rows):
+            draw_values(panel, row.maps[k], row)
+            drawn = (panel.images, panel.collections, panel.lines, panel.texts)
+            for artist in chain(*drawn, panel.spines.values()):
                 panel.draw_artist(artist)
             _clear(panel)
         title.set_text(text)
         figure.draw_artist(title)
-        yield np.array(figure.canvas.buffer_rgba())[..., :3]
+        frame = np.array(figure.canvas.buffer_rgba())[..., :3]
+        yield with_palette(Image.fromarray(frame), kinds)
 
 
 def _clear(panel):
-    """Remove the values of a map; contours remove their labels."""
-    for artist in [*panel.images, *panel.collections]:
+    """Remove the values of a map."""
+    for artist in [*panel.images, *panel.collections, *panel.lines, *panel.texts]:
         artist.remove()
 
 

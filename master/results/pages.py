@@ -9,8 +9,10 @@ from jinja2 import Environment, FileSystemLoader
 
 from ..fmi.quantities import short
 from .figures import PALETTE
+from .maps import STYLE
 from .packing import packed
-from .pictures import PALETTE_DARK, entry_in_words
+from .pictures import PALETTE_DARK
+from .words import entry_in_words
 
 TEMPLATES = Path(__file__).parent / "templates"
 LIBRARIES = ("d3.min.js", "plot.min.js")
@@ -38,7 +40,7 @@ def write_page(path: Path, template: str, data: dict[str, Any], **content: Any) 
     templates = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
     templates.filters |= {"entry": entry_in_words, "words": value_in_words}
     libraries = b"\n".join((TEMPLATES / "vendor" / name).read_bytes() for name in LIBRARIES)
-    colours = {"palette": PALETTE, "palette_dark": PALETTE_DARK}
+    colours = {"palette": PALETTE, "palette_dark": PALETTE_DARK, "style": STYLE}
     text = templates.get_template(template).render(
         data=json.dumps(data | colours).replace("<", "\\u003c"),
         libraries=packed(libraries),

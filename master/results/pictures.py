@@ -1,34 +1,44 @@
 """Pictures of one or several runs, as the case file describes them; converts units."""
 
 import textwrap
-from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from matplotlib import rc_context
-from matplotlib.colors import LogNorm, Normalize
-from matplotlib.ticker import LogLocator, MaxNLocator
+from matplotlib.colors import Normalize
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 
 from ..case.shown import ENVELOPE
-from ..case.tables import reduced
 from ..fmi.errors import BadInput
-from ..fmi.quantities import from_si, one_micro, registry, to_si
+from ..fmi.quantities import to_si
+from .charts import DASHES, Chart, line_charts
 from .coordinates import CRANK_ANGLE
 from .figures import (
     COLOURS,
+    NO_FILM,
     PALETTE,
     PAPER,
     PAPER_RESOLUTION,
     PAPER_SCALE,
     RESOLUTION,
+    RUPTURE,
     add_legend,
     save,
     stack,
     subplots,
 )
 from .instants import instant, instant_text
+from .maps import STYLE, FieldMap, MapRow, Mark, field_map, map_row
+from .words import entry_in_words as entry_in_words  # names that other modules import from here
+from .words import entry_shown as entry_shown
+from .words import handy_unit as handy_unit
+from .words import labelled, name_of, scaled
+from .words import names_of as names_of
+from .words import unit_shown as unit_shown
 
 PALETTE_DARK = ("#2f8fd0", "#f27d33", "#12c494", "#e59ac4", "#f2c14e", "#a6d8f7", "#e8ecef")
 """Lighter colours for a dark background."""
@@ -37,10 +47,6 @@ MOST_TICKED = 1440
 """Longest range of crank angle with a tick every 90 deg [deg]."""
 LETTERS = 9
 """Number of letters per inch of a title; longer titles have a second line."""
-WITH_PREFIX = ("m", "Pa", "N", "W", "J", "s", "m/s")
-"""SI units that are shown with a prefix by default."""
-MICRO = ("um", "urad", "us", "uN", "uW", "uJ", "um/s")
-"""Units without a micro sign, as in a case file."""
 
 
 def draw(case, runs, folder, kind=None, paper=False):
@@ -118,85 +124,8 @@ def figures(case, runs):
         yield picture, figure
 
 
-def scaled(values, unit: str, wanted: str | None):
-    """Return values in the wanted unit, from SI `unit`, and the label of the unit."""
-    shown = unit_shown(unit, wanted)
-    if not wanted:
-        return values, shown
-    zero = from_si(0.0, unit, wanted)  # not 0 for degC
-    return np.asarray(values) * (from_si(1.0, unit, wanted) - zero) + zero, shown
-
-
-def unit_shown(unit: str, wanted: str | None) -> str:
-    """Return the label of the wanted unit; default: the SI `unit`, "" for pure numbers."""
-    shown = (wanted or ("" if unit == "1" else unit)).replace(".", " ")
-    return f"\N{MICRO SIGN}{shown[1:]}" if shown in MICRO else shown
-
-
-def labelled(text: str, unit: str) -> str:
-    """Return a text with its unit, if there is one."""
-    return f"{text} [{unit}]" if unit else text
-
-
-ENDINGS = {
-    "_m3_s": "m³/s",
-    "_m_s": "m/s",
-    "_nm": "N m",
-    "_pa": "Pa",
-    "_w": "W",
-    "_j": "J",
-    "_rad": "rad",
-    "_n": "N",
-    "_m": "m",
-    "_s": "s",
-}
-"""Suffixes of summary entries that have a unit, and the unit."""
-
-
-def entry_in_words(name: str) -> str:
-    """Return a summary entry in words: mean_friction_power_w -> "mean friction power [W]"."""
-    words, unit = _with_unit(name)
-    return labelled(words, unit)
-
-
-def _with_unit(name):
-    """Return a summary's entry in words, and its unit or nothing."""
-    ending = next((one for one in ENDINGS if name.endswith(one)), "")
-    return name.removesuffix(ending).replace("_", " "), ENDINGS.get(ending, "")
-
-
-def entry_shown(name: str, values: Sequence[float]) -> tuple[str, np.ndarray]:
-    """Return a summary entry in words with a unit that suits its values, and the values in it."""
-    array = np.asarray(values, float)
-    words, unit = _with_unit(name)
-    largest = max(np.abs(array[np.isfinite(array)]), default=0.0)
-    shown, label = scaled(array, unit, "deg" if unit == "rad" else handy_unit(unit, largest))
-    return labelled(words, label), shown
-
-
-def handy_unit(unit: str, largest: float) -> str | None:
-    """Return the prefixed unit that suits a value in the SI `unit`, None if that is as good."""
-    if unit not in WITH_PREFIX or not np.isfinite(largest) or largest == 0.0:
-        return None
-    compact = registry().Quantity(float(abs(largest)), unit).to_compact()
-    return one_micro(f"{compact.units:~}").replace("\N{MICRO SIGN}", "u")
-
-
-def name_of(port: str) -> str:
-    """Return the variable of "participant.variable" in words, with its film surface; or "time"."""
-    *where, name = port.partition(".")[2].split(".")
-    surface = f" ({', '.join(where)})" if where else ""
-    return (name + surface).replace("_", " ") or port
-
-
-def names_of(ports: Sequence[str]) -> dict[str, str]:
-    """Return the names of several variables; equal ones with their participants."""
-    words = [name_of(port) for port in ports]
-    owner = {port: port.partition(".")[0].replace("_", " ") for port in ports}
-    return {
-        port: f"{name}, {owner[port]}" if words.count(name) > 1 else name
-        for port, name in zip(ports, words)
-    }
+LINES = dict(zip(DASHES, ("-", "--", ":", "-.")))
+"""Line styles of matplotlib by the dashes of a chart."""
 
 
 def draw_lines(case, picture, runs):
@@ -207,50 +136,57 @@ def draw_lines(case, picture, runs):
     """
     first = next(iter(runs.values()))
     plane = all(first.series(port).unit == "m" for port in (picture.x, *sum(picture.y, [])))
-    figure, panels = stack(len(picture.y), 6.0 if plane else 2.3)
-    x_unit = ""
+    charts = line_charts(case, picture, runs, picture.units.get(picture.x))
+    figure, panels = stack(len(charts), 6.0 if plane else 2.3)
     known = set()
-    alone = names_of([ports[0] for ports in picture.y if len(ports) == 1])
-    for panel, ports in zip(panels, picture.y):
-        y_unit = ""
-        title = alone.get(ports[0], _common(ports))
-        ports = [port for port in ports if _is_drawn(port, runs.values())] or ports
-        own = _own_words(ports)
-        for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
-            x, si, _ = results.series(picture.x)
-            x, x_unit = scaled(x, si, picture.units.get(picture.x))
-            for style, port in zip(("-", "--", ":", "-."), ports):
-                y, si, _ = results.series(port)
-                y, y_unit = scaled(y, si, picture.units.get(port))
-                parts = [label] * (len(ports) == 1 or len(runs) > 1) + own[port]
-                if y.any() or not _is_drawn(port, runs.values()):
-                    panel.plot(x, y, style, color=colour, lw=1.2, label=", ".join(parts))
+    for panel, chart in zip(panels, charts):
+        draw_chart(panel, chart)
         if plane:
             panel.set_aspect("equal")
-        _shade(panel, windows_of(ports, case.window, picture.units, first))
-        panel.set_ylabel(labelled(title, y_unit))
         handles, labels = panel.get_legend_handles_labels()
-        if not {line.get_label() for line in panel.lines} <= known:  # other curves than above
+        if not {*labels} <= known:  # other curves than above
             known.clear()
         new = {label: handle for label, handle in zip(labels, handles) if label not in known}
         if new:
             add_legend(panel, new)
         known.update(new)
-    label_abscissa(panels[-1], picture.x, x_unit)
+    unit = scaled(0.0, first.series(picture.x).unit, picture.units.get(picture.x))[1]
+    label_abscissa(panels[-1], picture.x, unit)
     return figure
 
 
-def _is_drawn(port, runs):
-    """Return whether an output is not zero in a run."""
-    return any(results.series(port).values.any() for results in runs)
+def draw_chart(panel, chart: Chart):
+    """Draw the curves and bands of a chart."""
+    for curve in chart.curves:
+        colour = PALETTE[curve.run % len(PALETTE)]
+        panel.plot(curve.x, curve.y, LINES[curve.dash], color=colour, lw=1.2, label=curve.name)
+    for band in chart.bands:
+        panel.axhspan(band.low, band.high, color=WINDOW, alpha=0.16, lw=0, label=band.said)
+    ends = [end for curve in chart.curves for end in (curve.x.min(), curve.x.max())]
+    for one in chart.extremes:
+        panel.plot(one.x, one.y, SIGNS[one.sign][0], mfc="none", mec="black", ms=8, mew=1.4)
+        share = (one.x - min(ends)) / (np.ptp(ends) or 1.0)
+        colour = PALETTE[one.run % len(PALETTE)]
+        _write(panel, one.text, (one.x, one.y), share, one.sign == "cross", color=colour)
+    if chart.extremes:
+        panel.margins(y=0.18)  # for the values
+    panel.set_ylabel(chart.y)
 
 
-def _own_words(ports):
-    """Return what follows the shared words in each name, as a list; empty for one port."""
-    names, shared = names_of(ports), _common(ports)
-    if len(ports) == 1:
-        return dict.fromkeys(ports, [])
-    return {port: [name.removeprefix(shared).strip(", ") or name] for port, name in names.items()}
+def _write(panel, text, at, share, is_above, **given):
+    """Write a value above or below a mark, which is at a share of the width of its panel."""
+    panel.annotate(
+        text,
+        at,
+        (0, 8 if is_above else -8),
+        textcoords="offset points",
+        ha="left" if share < 0.12 else "right" if share > 0.88 else "center",
+        va="bottom" if is_above else "top",
+        fontsize=8,
+        fontweight="bold",
+        path_effects=[HALO],
+        **given,
+    )
 
 
 def label_abscissa(panel, port, unit):
@@ -274,155 +210,181 @@ def tick_degrees(panel):
     panel.set_xticks(ticks, [f"{tick:g}{words.get(tick % 360, '')}" for tick in ticks])
 
 
-def windows_of(ports, window, units, results):
-    """Return the limits of a panel's curves in the units shown, by kind of value."""
-    limits = {}
-    for text, pair in window.items():
-        kind, port = reduced(text)
-        if port in ports:
-            si = results.series(port)[1]
-            limits[kind] = tuple(scaled(to_si(v, si), si, units.get(port))[0] for v in pair)
-    return limits
-
-
-def _shade(panel, windows):
-    """Shade the expected ranges of a curve's values; equal ranges are shaded once."""
-    words = {"min": "lowest", "max": "highest", "mean": "mean", "last": "last"}
-    for limits in dict.fromkeys(windows.values()):
-        kinds = " and ".join(words[kind] for kind, other in windows.items() if other == limits)
-        panel.axhspan(
-            *limits, color=WINDOW, alpha=0.16, lw=0, label=f"expected for the {kinds} value"
-        )
-
-
-def _common(ports):
-    """Return the words that the variables' names share, or else all names."""
-    words = [port.partition(".")[2].split("_") for port in ports]
-    shared = [column[0] for column in zip(*words) if len(set(column)) == 1]
-    return " ".join(shared) or ", ".join(name_of(port) for port in ports)
+FILM = "#28323c"
+"""Colour of the contours of the film thickness."""
+HALO = withStroke(linewidth=3, foreground="white")
+FAINT = withStroke(linewidth=2, foreground="white", alpha=0.35)
+"""Edges of lines, which are visible on dark colours."""
+SIGNS = {"ring": ("o", "thinnest film"), "cross": ("+", "highest pressure")}
+"""Marker and legend of each mark."""
+MARGIN = 0.04
+"""Distance of labels from the frame of a map, relative to its size."""
+APART = (0.10, 0.06)
+"""Least distance of the labels of contours, relative to the size of a map."""
 
 
 def draw_maps(case, picture, runs):
     """Draw a row for each field, and a column for each run; a row has one colour scale."""
-    rows = {}
-    for port in picture.fields:
-        shown = [shown_field(results, port, picture.time) for results in runs.values()]
-        wanted = picture.units.get(port)
-        images = [
-            masked(scaled(field.values, field.unit, wanted)[0], results.there(port))
-            for field, results in zip(shown, runs.values())
-        ]
-        label = labelled(name_of(port), unit_shown(shown[0].unit, wanted))
-        rows[port] = MapRow(label, images, colour_norm(images))
-    figure, panels = map_figure(case, rows)
-    for panel, label, field in zip(panels[0], runs, shown):
-        panel.set_title(f"{label}, {field.when}", fontsize="medium")
+    rows = [
+        map_row([field_map(case, own, port, picture.time, picture.units) for own in runs.values()])
+        for port in picture.fields
+    ]
+    figure, panels = map_figure(rows)
+    for panel, label, one in zip(panels[0], runs, rows[-1].maps):
+        panel.set_title(f"{label}, {one.when}", fontsize="medium")
     return figure
 
 
-class ShownField(NamedTuple):
-    """Values of a field in its SI unit, and their instant as text."""
-
-    values: np.ndarray
-    unit: str
-    when: str
-
-
-def shown_field(results, port, time) -> ShownField:
-    """Return a field at the recorded instant nearest to the time of a picture, or its envelope."""
-    if time != ENVELOPE:
-        field = results.field(port, instant(results, time))
-        return ShownField(field.values, field.unit, instant_text(results, field.time))
-    envelope = results.envelope(port)
-    steps = "all steps" if envelope.every_step else "recorded instants"
-    return ShownField(envelope.values, envelope.unit, f"extremes of {steps} of the last period")
-
-
-class MapRow(NamedTuple):
-    """Maps of one field for several runs, with their label and the norm of their colours."""
-
-    label: str
-    images: Sequence[np.ma.MaskedArray]
-    norm: Normalize
-
-
-def map_figure(case, rows):
-    """Return a figure of maps and its panels, from the rows by port."""
-    columns = max(len(row.images) for row in rows.values())
-    size = (1.5 + 4.6 * columns, 1 + 2.9 * len(rows))
+def map_figure(rows: list[MapRow]):
+    """Return a figure of maps and its panels, with a legend of lines and marks."""
+    columns = max(len(row.maps) for row in rows)
+    size = (1.5 + 4.6 * columns, 1.4 + 2.9 * len(rows))
     figure, panels = subplots(len(rows), columns, squeeze=False, figsize=size)
-    for line, (port, row) in zip(panels, rows.items()):
-        for panel, image in zip(line, row.images):
-            draw_map(panel, image, row.norm, case.axes_of(port))
-        figure.colorbar(line[0].images[0], ax=list(line), label=row.label)
-    if all(case.axes_of(port) == case.axes_of(next(iter(rows))) for port in rows):
+    for line, row in zip(panels, rows):
+        for panel, one in zip(line, row.maps):
+            draw_map(panel, one, row)
+        figure.colorbar(line[0].images[0], ax=list(line), label=row.maps[0].label)
+    every = [one for row in rows for one in row.maps]
+    if all(one.axes == every[0].axes for one in every):
         for panel in panels.flat:
             panel.label_outer()
+    if handles := _legend(rows):
+        count = min(len(handles), 2 if columns == 1 else 5)
+        given = {"loc": "outside lower center", "ncols": count, "frameon": False}
+        figure.legend(handles=handles, fontsize="small", **given)
     return figure, panels
 
 
-def masked(image, there):
-    """Mask the cells that the field does not have."""
-    return np.ma.array(image, mask=np.zeros(np.shape(image), bool) if there is None else ~there)
+def _legend(rows):
+    """Return the legend of the lines and marks of maps."""
+    maps = [one for row in rows for one in row.maps]
+    handles = []
+    if any(row.levels for row in rows):
+        unit = next(one.layers["thickness"].unit for one in maps if "thickness" in one.layers)
+        handles.append(Line2D([], [], color=FILM, lw=0.8, label=labelled("film thickness", unit)))
+    signs = {mark.sign for one in maps for mark in one.marks}
+    for sign, (marker, words) in SIGNS.items():
+        if sign in signs:
+            line = Line2D([], [], marker=marker, linestyle="none", label=words)
+            line.set(markerfacecolor="none", markeredgecolor="black")
+            handles.append(line)
+    if any(_ruptures(one) for one in maps):
+        words = f"film ruptures (film fraction {STYLE['rupture']})"
+        handles.append(Line2D([], [], color=RUPTURE, ls="--", lw=1.3, label=words))
+    if any(np.ma.getmaskarray(one.values).any() for one in maps):
+        handles.append(Patch(color=NO_FILM, label="no film"))
+    return handles
 
 
-FLOOR = 1e-4
-"""Lower end of logarithmic colours, relative to the largest value."""
-SPAN = 30.0
-"""Ratio of two values above which a colour scale is logarithmic."""
+def _ruptures(one):
+    """Return whether the film of a map is ruptured somewhere and full elsewhere."""
+    fraction = one.values_of("fraction")
+    return fraction is not None and fraction.min() < STYLE["rupture"] < fraction.max()
 
 
-def colour_norm(images):
-    """Return the colour scale of all images.
-
-    It is logarithmic if the largest value exceeds `SPAN` times the median of the positive ones,
-    as in contact of a single cell.
-    """
-    low = min(float(image.min()) for image in images)
-    high = max(float(image.max()) for image in images)
-    positive = np.concatenate([np.ma.compressed(image[image > 0]) for image in images])
-    if low < 0 or not len(positive) or high <= SPAN * np.median(positive):
-        return Normalize(low, high)
-    return LogNorm(max(high * FLOOR, min(float(positive.min()), high / 2)), high, clip=True)
-
-
-def draw_map(panel, image, norm, axes):
-    """Draw one field over its axes, interpolated, with contours."""
-    panel.set_xlabel(axes.first.title)
-    panel.set_ylabel(axes.second.title)
-    for drawn, axis in ((panel.xaxis, axes.first), (panel.yaxis, axes.second)):
+def draw_map(panel, one: FieldMap, row: MapRow):
+    """Draw one field over its axes, interpolated, with contours and marks."""
+    panel.set_xlabel(one.axes.first.title)
+    panel.set_ylabel(one.axes.second.title)
+    for drawn, axis in ((panel.xaxis, one.axes.first), (panel.yaxis, one.axes.second)):
         _mark(drawn, axis, *axis.range)
-    draw_values(panel, image, norm, axes)
-    panel.set_xlim(axes.first.range)
+    draw_values(panel, one, row)
+    panel.set_xlim(one.axes.first.range)
 
 
-def draw_values(panel, image, norm, axes):
-    """Draw the values of a field as colours and contours into a panel that has its labels.
+def draw_values(panel, one: FieldMap, row: MapRow):
+    """Draw colours, contours and marks of a map into a panel that has its labels.
 
     On a closed axis the first cell follows the last.
     """
-    around, along = axes.first.positions(len(image)), axes.second.positions(len(image.T))
-    left, right = axes.first.ends(len(image))
-    if axes.first.centred is not None:
-        cell = (right - left) / len(image)
+    first, second = one.axes.first, one.axes.second
+    around, along = first.positions(len(one.values)), second.positions(len(one.values.T))
+    left, right = first.ends(len(one.values))
+    cells = slice(None)
+    if first.centred is not None:
+        cell = (right - left) / len(one.values)
         around = np.concatenate([[around[0] - cell], around, [around[-1] + cell]])
-        image, left, right = image[np.r_[-1, : len(image), 0]], left - cell, right + cell
+        cells, left, right = np.r_[-1, : len(one.values), 0], left - cell, right + cell
     panel.imshow(
-        image.T,
+        one.values[cells].T,
         origin="lower",
         aspect="auto",
-        extent=(left, right, *axes.second.ends(len(image.T))),
-        norm=norm,
-        cmap=COLOURS,
+        extent=(left, right, *second.ends(len(one.values.T))),
+        norm=Normalize(row.low, row.high),
+        cmap=COLOURS[one.kind],
         interpolation="bilinear",
     )
-    logs = isinstance(norm, LogNorm)
-    locator = LogLocator() if logs else MaxNLocator(7)
-    low = max(norm.vmin, image.min())
-    levels = [x for x in locator.tick_values(norm.vmin, norm.vmax) if low < x < image.max()]
-    if levels:
-        drawn = panel.contour(around, along, image.T, levels, colors="white", linewidths=0.5)
-        panel.clabel(drawn, fontsize=6, fmt="%.3g")
+    box = np.array([first.range, second.ends(len(one.values.T))])
+    marks = _placed_marks(one, box)
+    film = one.values_of("thickness")
+    if film is not None:
+        levels = [level for level in row.levels if film.min() < level < film.max()]
+        if levels:
+            given = {"colors": FILM, "alpha": 0.6, "linewidths": 0.8}
+            drawn = panel.contour(around, along, film[cells].T, levels, **given)
+            drawn.set_path_effects([FAINT])
+            _label_contours(panel, drawn, box, [mark.share for mark in marks])
+    if _ruptures(one):
+        given = {"colors": RUPTURE, "linestyles": "--", "linewidths": 1.3}
+        fraction = one.layers["fraction"].values[cells].T
+        drawn = panel.contour(around, along, fraction, [STYLE["rupture"]], **given)
+        drawn.set_path_effects([FAINT])
+    for mark in marks:
+        mark.draw(panel)
+
+
+def _label_contours(panel, drawn, box, taken):
+    """Label each contour once, apart from the frame, the marks and other labels.
+
+    The marks are given as shares of the box, and their values have a width.
+    """
+    low, size = box[:, 0], np.ptp(box, axis=1)
+    placed = [share + (x, y) for share in taken for x in (-0.06, 0, 0.06) for y in (-0.07, 0, 0.07)]
+    for k, (level, path) in enumerate(zip(drawn.levels, drawn.get_paths())):
+        points = (path.vertices - low) / size
+        inside = ((points > MARGIN) & (points < 1 - MARGIN)).all(axis=1)
+        free = [
+            point
+            for point in points[inside]
+            if all((np.abs(point - other) > APART).any() for other in placed)
+        ]
+        if not free:
+            continue
+        wanted = 0.15 + 0.11 * (k % 3)
+        chosen = min(free, key=lambda point: abs(point[0] - wanted))
+        placed.append(chosen)
+        given = {"fontsize": 7, "color": FILM, "ha": "center", "va": "center", "clip_on": True}
+        panel.text(*(low + chosen * size), f"{level:g}", path_effects=[HALO], **given)
+
+
+@dataclass(frozen=True)
+class _PlacedMark:
+    """Mark of a map: its position, also as share of the map, and whether its value is above."""
+
+    mark: Mark
+    at: tuple[float, float]
+    share: np.ndarray
+    is_above: bool
+
+    def draw(self, panel):
+        marker, _ = SIGNS[self.mark.sign]
+        given = {"mfc": "none", "mec": "black", "ms": 9, "mew": 1.4, "path_effects": [HALO]}
+        panel.plot(*self.at, marker, clip_on=False, **given)
+        _write(panel, self.mark.text, self.at, self.share[0], self.is_above)
+
+
+def _placed_marks(one, box) -> list[_PlacedMark]:
+    """Return the marks of a map; the value of the upper one is above it."""
+    low, size = box[:, 0], np.ptp(box, axis=1)
+    around = one.axes.first.positions(len(one.values))
+    along = one.axes.second.positions(len(one.values.T))
+    placed = []
+    for mark in sorted(one.marks, key=lambda mark: -mark.cell[1]):
+        at = float(around[mark.cell[0]]), float(along[mark.cell[1]])
+        share = (np.array(at) - low) / size
+        is_above = share[1] < 0.1 or (not placed and share[1] < 0.9)
+        placed.append(_PlacedMark(mark, at, share, is_above))
+    return placed
 
 
 def _mark(drawn, axis, low, high):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fmi.quantities import are_compatible, quantity
 from .pages import write_page
-from .pictures import entry_shown, labelled, unit_shown
+from .words import entry_shown, labelled, unit_shown
 
 FIRST = ("friction", "minimum_film_thickness", "slap")
 """Parts of the names of the outputs that a front shows by default: abscissa, ordinate, colour."""

@@ -26,9 +26,9 @@ def results(tmp_path):
 def test_every_chosen_instant_is_a_frame(case, results, tmp_path, monkeypatch):
     shown = []
 
-    def looked_at(panel, image, norm, axes):
-        shown.append((image.copy(), norm.vmin, norm.vmax))
-        draw_values(panel, image, norm, axes)
+    def looked_at(panel, one, row):
+        shown.append((one.values.copy(), row.low, row.high))
+        draw_values(panel, one, row)
 
     monkeypatch.setattr(movie, "draw_values", looked_at)
     target = tmp_path / "run.gif"

@@ -5,14 +5,22 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from matplotlib.colors import LogNorm, to_rgb
+from matplotlib.colors import Normalize, to_rgb
 
 from piston_cosim.master.case.shown import NEUTRAL, Axes, Axis, Picture
 from piston_cosim.master.results.figures import subplots
+from piston_cosim.master.results.maps import (
+    STYLE,
+    FieldMap,
+    Layer,
+    contour_levels,
+    field_map,
+    map_row,
+    masked,
+)
 from piston_cosim.master.results.pictures import (
     PALETTE,
     PALETTE_DARK,
-    colour_norm,
     draw,
     draw_lines,
     draw_map,
@@ -20,9 +28,9 @@ from piston_cosim.master.results.pictures import (
     draw_sections,
     figures,
     left_out,
-    unit_shown,
 )
 from piston_cosim.master.results.recorded import Envelope, RecordedField, Series
+from piston_cosim.master.results.words import unit_shown
 
 from .by_hand import InMemory
 
@@ -38,7 +46,8 @@ def run(field=FIELD, there=None, **more):
 
 
 def case_of(*pictures, axes=NEUTRAL):
-    return SimpleNamespace(pictures=pictures, axes_of=lambda port: axes, window={})
+    time = SimpleNamespace(angular_speed=None)
+    return SimpleNamespace(pictures=pictures, axes_of=lambda port: axes, window={}, time=time)
 
 
 def map_of(results, axes=NEUTRAL, time="0 s"):
@@ -71,17 +80,6 @@ def test_an_envelope_belongs_to_a_map(kind):
         Picture(**given)
 
 
-@pytest.mark.parametrize(
-    "field, lines", [(np.ones((5, 4)), False), (np.arange(20.0).reshape(5, 4), True)]
-)
-def test_a_map_has_contours_where_there_is_something_to_contour(field, lines):
-    panel = map_of(run(field))
-    drawn = [
-        len(path.vertices) for collection in panel.collections for path in collection.get_paths()
-    ]
-    assert len(panel.images) == 1 and (sum(drawn) > 0) == lines
-
-
 SKIRT = Axes(
     participants=["ehd"],
     first={"label": "angle", "unit": "deg", "range": [0, 360], "marks": {"thrust": 90}},
@@ -111,22 +109,116 @@ def test_axes_say_what_the_case_says_and_nothing_else(axes):
         assert along == pytest.approx([0.1, 0.3, 0.5])
 
 
-def test_a_cut_out_stays_blank_and_a_wide_range_is_logarithmic():
+def test_a_cut_out_stays_blank_and_colours_are_linear():
+    """Also if one cell has most of the pressure, as in the map of a report."""
     field = 10.0 ** np.arange(20.0).reshape(5, 4)[::-1]
     there = np.ones((5, 4), bool)
     there[0, 3] = False  # the largest: it must not set the scale either
-    image = map_of(run(field, there)).images[0]
-    shown = image.get_array()
-    assert shown.mask.T.tolist() == (~there).tolist()
-    assert isinstance(image.norm, LogNorm)
-    assert (image.norm.vmin, image.norm.vmax) == pytest.approx((1e14, 1e18))  # four decades
+    panel = map_of(run(field, there))
+    image = panel.images[0]
+    assert image.get_array().mask.T.tolist() == (~there).tolist()
+    assert type(image.norm) is Normalize
+    assert (image.norm.vmin, image.norm.vmax) == (1.0, 1e18)
+    assert [text.get_text() for text in panel.texts] == ["1e+18 Pa"]  # the mark
 
 
-def test_colours_are_linear_without_a_single_high_cell():
-    assert not isinstance(colour_norm([np.array([0.0, 1.0, 2.0, 30.0])]), LogNorm)  # 15 medians
-    assert isinstance(colour_norm([np.array([0.0, 1.0, 1.0, 31.0])]), LogNorm)
-    assert not isinstance(colour_norm([np.array([-1.0, 1.0, 1.0, 31.0])]), LogNorm)
-    assert not isinstance(colour_norm([np.zeros(3)]), LogNorm)
+def film(**layers):
+    """Return a map of the first layer, 8 x 4 cells, with the others of the same film."""
+    made = {kind: Layer(masked(values, None), "um") for kind, values in layers.items()}
+    return FieldMap("p [MPa]", next(iter(layers)), SKIRT, "8 ms", made)
+
+
+def drawn_map(one):
+    """Return the panel of a map."""
+    _, panel = subplots(figsize=(6, 4))
+    draw_map(panel, one, map_row([one]))
+    return panel
+
+
+def test_extremes_are_marked_by_a_ring_and_a_cross_with_their_values():
+    thickness, pressure = np.full((8, 4), 20.0), np.zeros((8, 4))
+    thickness[2, 1], pressure[5, 3] = 9.2, 4.61
+    panel = drawn_map(film(pressure=pressure, thickness=thickness))
+    marks = {line.get_marker(): line.get_xydata()[0].tolist() for line in panel.lines}
+    assert marks == {"o": [112.5, 0.375], "+": [247.5, 0.875]}  # centres of cells of 45 deg
+    values = {text.get_text(): text for text in panel.texts}
+    assert values["9.2 um"].get_position()[1] < 0 < values["4.61 um"].get_position()[1]
+    without = drawn_map(film(pressure=0 * pressure))
+    assert not without.lines and not without.texts  # no pressure, no cross
+
+
+def test_the_film_has_labelled_contours_and_a_line_where_it_ruptures():
+    """The film grows along the height from 2 to 5 um, and is ruptured above the middle."""
+    height = np.tile(np.arange(4.0), (8, 1))
+    panel = drawn_map(film(pressure=1 + height, thickness=2 + height, fraction=1.2 - 0.14 * height))
+    film_lines, rupture = panel.collections
+    assert film_lines.levels.tolist() == [2.5, 3.0, 4.0]
+    for level, path in zip(film_lines.levels, film_lines.get_paths()):
+        assert path.vertices[:, 1] == pytest.approx((level - 1.5) / 4)  # of cells
+    assert rupture.levels.tolist() == [STYLE["rupture"]] and rupture.get_linestyles()[0][1]
+    assert rupture.get_paths()[0].vertices[:, 1] == pytest.approx(0.125 + 1.5 / 4)
+    labels = [text for text in panel.texts if " " not in text.get_text()]
+    assert [float(text.get_text()) for text in labels] == [2.5, 3.0, 4.0]
+    full = drawn_map(film(pressure=1 + height, fraction=np.ones((8, 4))))
+    assert not full.collections  # neither contours nor a rupture
+
+
+def test_labels_of_contours_are_apart_from_marks_and_each_other():
+    around, along = np.meshgrid(np.linspace(-1, 1, 8), np.linspace(-1, 1, 4), indexing="ij")
+    thickness = 5 + 40 * (around**2 + along**2)
+    panel = drawn_map(film(thickness=thickness))
+    labels = [text.get_position() for text in panel.texts if " " not in text.get_text()]
+    (mark,) = [line.get_xydata()[0] for line in panel.lines]
+    places = np.array([*labels, mark]) / [360.0, 1.0]
+    assert len(labels) >= 4
+    for a, b in combinations(places, 2):
+        assert (np.abs(a - b) > [0.1, 0.06]).any()
+    assert (places > 0.04).all() and (places < 0.96).all()
+
+
+@pytest.mark.parametrize(
+    "low, high, levels",
+    [
+        (0.5, 6.0, [0.7, 1, 1.2, 1.5, 2, 2.5, 3, 4, 5]),
+        (9.2, 29.0, [10, 12, 15, 20, 25]),
+        (1.0, 100.0, [2, 5, 10, 20, 50]),
+        (0.001, 9e4, [0.003, *(a * 10.0**k for k in range(-2, 5) for a in (1, 3))]),
+        (3.0, 3.0, []),
+    ],
+)
+def test_contours_are_at_round_values(low, high, levels):
+    """Those of the list of digits with fewer than ten values inside; the last list if none has."""
+    assert contour_levels(low, high) == pytest.approx(levels)
+
+
+def test_other_fields_of_a_film_are_those_with_its_axes():
+    """Film and gap share axes in a case; of two films with the same axes the gap is unknown."""
+    recorded = ["bodies.film_thickness", "ehd.pressure", "ehd.film_fraction", "other.pressure"]
+    units = {"film_thickness": "m", "film_fraction": "1"}
+
+    def field(port, instant):
+        return RecordedField(FIELD, 0.0, units.get(port.partition(".")[2], "Pa"), "")
+
+    def film_of(names):
+        results = run(recorded=names)
+        results.field = field
+        return results
+
+    results = film_of(recorded)
+    known = field_map(case_of(axes=SKIRT), results, "ehd.pressure", "0 s", {"ehd.pressure": "MPa"})
+    assert {kind: layer.unit for kind, layer in known.layers.items()} == {
+        "pressure": "MPa",
+        "thickness": "\N{MICRO SIGN}m",
+        "fraction": "",
+    }
+    assert known.values.max() == 1e-6 and known.label == "pressure [MPa]"
+    twice = film_of([*recorded, "twin.film_thickness"])
+    known = field_map(case_of(axes=SKIRT), twice, "ehd.pressure", "0 s", {})
+    assert set(known.layers) == {"pressure", "fraction"}
+    alone = field_map(case_of(), results, "ehd.pressure", "0 s", {})
+    assert set(alone.layers) == {"pressure", "fraction"}  # without axes only its own
+    heat = film_of([*recorded, "ehd.heat"])
+    assert set(field_map(case_of(axes=SKIRT), heat, "ehd.heat", "0 s", {}).layers) == {"field"}
 
 
 def test_a_turn_is_closed():
@@ -137,7 +229,9 @@ def test_a_turn_is_closed():
         second=Axis(label="height"),
     )
     figure, panel = subplots(figsize=(6, 4))
-    draw_map(panel, np.ma.array(np.arange(20.0).reshape(5, 4)), colour_norm([np.ones(2)]), axes)
+    values = masked(np.arange(20.0).reshape(5, 4), None)
+    one = FieldMap("q", "field", axes, "", {"field": Layer(values, "Pa")})
+    draw_map(panel, one, map_row([one]))
     figure.canvas.draw()
     left, bottom, right, top = np.array(panel.get_window_extent().extents).astype(int)
     pixels = np.array(figure.canvas.buffer_rgba())[::-1][bottom + 2 : top - 2, :, :3]
@@ -210,7 +304,7 @@ def test_pictures_of_every_type_are_small(tmp_path, kind, begins, paper):
         "b.force": Series(np.sin(angle) + 0.1 * np.sin(37 * angle), "N", ""),
     }
     field = np.cos(2 * around) + along**2
-    results = run(field, there, recorded=["a.x", "a.y"], series=held.get)
+    results = run(field, there, recorded=["a.x", "a.y"], series=held.get, ports=[*held])
     pictures = [
         Picture(file="map.png", title="Map", kind="map", fields=["a.x", "a.y"], time="0 s"),
         Picture(file="line.png", title="Line", kind="lines", x="b.crank_angle", y=[["b.force"]]),
@@ -264,6 +358,21 @@ def test_crank_angles_are_ticked_every_quarter_and_curves_of_zeros_left_out():
     assert [panel.get_legend() is not None for panel in figure.axes] == [True, False, False]
     words = [label.get_text() for label in figure.axes[-1].get_xticklabels()]
     assert words == ["0\nTDC", "90", "180\nBDC", "270", "360\nTDC"]
+
+
+def test_the_lowest_film_and_the_highest_pressure_of_curves_are_marked():
+    film = ([9.0, 7.5, 8.0], "m")
+    held = {"b.crank_angle": ([0.0, 1.0, 2.0], "rad"), "e.minimum_film_thickness": film}
+    held |= {"e.maximum_pressure": ([1e6, 2e6, 5e6], "Pa"), "e.power": film}
+    y = [["e.minimum_film_thickness"], ["e.maximum_pressure"], ["e.power"]]
+    panels = lines_of(y, units={"e.maximum_pressure": "MPa"}, r=held).axes
+    marks = [[line.get_xydata()[0].tolist() for line in panel.lines[1:]] for panel in panels]
+    assert marks == [[[1.0, 7.5]], [[2.0, 5.0]], []]
+    assert [[text.get_text() for text in panel.texts] for panel in panels] == [
+        ["7.5 m"],
+        ["5 MPa"],
+        [],
+    ]
 
 
 def deuteranopic(colour):

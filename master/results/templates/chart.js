@@ -1,7 +1,7 @@
 // Charts by Observable Plot. The cursor is a line of its own, which moves without drawing the chart again.
 
 const DASHES = { dash: "6 3", dot: "2 3", dashdot: "7 3 2 3" };
-const MARGIN = { left: 48, right: 16, top: 16 };
+const MARGIN = { left: 48, right: 22, top: 16 };
 const FEW = 60;   // points that are drawn large
 
 // `list`: of the functions that move cursors
@@ -22,7 +22,7 @@ function chart(parent, drawn, list, height = 130) {
     y: { label: null, ticks: 4, tickFormat: digits, nice: true, ...(isCarpet ? {} : ordinate(drawn, curves)) },
     color: isCarpet ? carpetColours(drawn) : undefined,
     marks: [
-      ...(isCarpet ? [carpetMark(drawn, domain)] : [...shadeMarks(drawn, phases), ...curves.map(curveMark).reverse()]),
+      ...(isCarpet ? [carpetMark(drawn, domain)] : [...shadeMarks(drawn, phases), ...curves.map(curveMark).reverse(), ...extremeMarks(drawn)]),
       phaseLabels(phases, domain, width),
     ],
   });
@@ -104,6 +104,18 @@ function curveMark(curve) {
   if (curve.points) return Plot.dot({ length: x.length }, { ...given, r: x.length < FEW ? 3 : 1.3, fill: colour });
   const dash = { strokeWidth: 1.6, strokeDasharray: DASHES[curve.dash] };
   return Plot.line({ length: x.length }, { ...given, stroke: colour, ...dash });
+}
+
+// lowest and highest points with their values
+function extremeMarks(drawn) {
+  const own = (drawn.extremes || []).filter(extreme => shows(extreme.run)), at = { x: "x", y: "y" };
+  return ["ring", "cross"].flatMap(sign => {
+    const some = own.filter(extreme => extreme.sign === sign), isRing = sign === "ring";
+    const text = { ...at, text: "text", dy: isRing ? 11 : -11, fontSize: 10, clip: false };
+    const halo = { stroke: "var(--paper)", strokeWidth: 3, paintOrder: "stroke" };
+    const symbol = isRing ? "circle" : "plus", stroke = ({ run }) => colourOf(run);
+    return [Plot.dot(some, { ...at, symbol, r: 4, stroke, strokeWidth: 1.6 }), Plot.text(some, { ...text, ...halo })];
+  });
 }
 
 // line and dots at the cursor, the values there in the caption; returns what moves them

@@ -3,14 +3,8 @@
 
 const BOX = { width: 430, height: 320, left: 40, top: 8, w: 380, h: 256 };   // of the drawing, and of the field in it
 const FLOOR = BOX.top + BOX.h;
-const RAMPS = {
-  pressure: ["#ffffff", "#fee090", "#fda048", "#de4933", "#890a42", "#35003c"],
-  thickness: ["#3c095c", "#205ca4", "#56aac4", "#bee0d6", "#f8f8f2"],
-  fraction: ["#f7f2e8", "#c9a86a", "#3b2a12"],
-  contact: ["#ffffff", "#f4b6c2", "#c51b7d", "#40004b"],
-};
 const FINEST = 1023;   // last colour of a table
-const RUPTURE = 0.99;   // film fraction at which the film ruptures
+const { ramps: RAMPS, rupture: RUPTURE } = data.style;   // film fraction at which the film ruptures
 
 const colourScale = kind => RAMPS[kind] ? d3.piecewise(d3.interpolateRgb, RAMPS[kind]) : d3.interpolateViridis;
 
@@ -38,16 +32,6 @@ function interpolation(cells, pixelsPerCell, closed) {
 // index of a cell beside the axis: a closed one goes round
 function insideAxis(cell, cells, closed) {
   return closed ? (cell + cells) % cells : Math.max(0, Math.min(cells - 1, cell));
-}
-
-// about ten round values over the range of a film thickness, closer where it is thin
-function contourLevels({ low, high }) {
-  const within = factors => factors
-    .flatMap(factor => d3.range(-3, 5).map(power => +(factor * 10 ** power).toPrecision(2)))
-    .filter(value => value > low && value < high)
-    .sort(d3.ascending);
-  const choices = [[1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 7], [1, 1.5, 2, 3, 5, 7], [1, 2, 5], [1, 3]].map(within);
-  return choices.find(levels => levels.length < 10) || choices[3];
 }
 
 class FieldMap {
@@ -153,9 +137,10 @@ class FieldMap {
     this.lines.selectAll("*").remove();
     this.marks.selectAll("*").remove();
     const { thickness, fraction } = this.film.layers;
-    if (thickness?.runs[this.index]) this.drawContours(this.values("thickness"), contourLevels(thickness), "thickness");
-    if (fraction?.runs[this.index]) this.drawContours(this.values("fraction"), [RUPTURE], "rupture");
+    this.taken = [];   // positions of the marks
     this.extremes = ` · ${this.markExtremes().join(", ")}${this.frame === undefined ? " now" : ""}`;
+    if (thickness?.runs[this.index]) this.drawContours(this.values("thickness"), thickness.levels, "thickness");
+    if (fraction?.runs[this.index]) this.drawContours(this.values("fraction"), [RUPTURE], "rupture");
     this.svg.attr("aria-label", this.label.textContent + this.extremes);
     this.showReading();
   }
@@ -201,6 +186,7 @@ class FieldMap {
 
   mark(cell, path) {
     const m = this.run.shape[1], x = this.x(Math.floor(cell / m) + 0.5), y = this.y(cell % m + 0.5);
+    this.taken.push([x, y]);
     for (const name of ["halo", "marker"])
       this.marks.append("path").attr("class", name).attr("d", path).attr("transform", `translate(${x} ${y})`);
   }
@@ -222,7 +208,7 @@ class FieldMap {
 
   // contours of the film thickness have labels
   drawContours(values, levels, name) {
-    const labels = [];
+    const labels = [...this.taken];
     for (const contour of this.contours(values, levels)) {
       const rings = contour.coordinates.flat().map(ring => ring.map(([x, y]) => [this.x(x - 1), this.y(y - 1)]));
       if (!rings.length) continue;
