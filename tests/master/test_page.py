@@ -472,6 +472,29 @@ def test_caption_and_cursor_agree_on_paper(page, browser, width):
     assert 1 <= sheets <= 3
 
 
+def test_labels_on_paper_are_whole_and_apart(page, browser):
+    browser.resize(1200)
+    browser.open(page[0])
+    browser.run("go(13); window.dispatchEvent(new Event('beforeprint'));")
+    browser.ask("Emulation.setEmulatedMedia", media="print")
+    faults = browser.run("""document.body.style.width = "700px";
+      const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom - 3
+        && b.top < a.bottom - 3;  // a box has a margin above and below the letters
+      const faults = [];
+      const drawings = document.querySelectorAll(".map svg, .side svg, #curves svg");
+      for (const svg of drawings) {
+        const frame = svg.getBoundingClientRect();
+        const all = [...svg.querySelectorAll("text")].filter(text => text.textContent)
+          .map(text => ({ text: text.textContent, ...text.getBoundingClientRect().toJSON() }));
+        all.forEach((a, k) => {
+          if (a.right > frame.right + 1 || a.left < frame.left - 1) faults.push(["cut", a.text]);
+          for (const b of all.slice(k + 1)) if (meet(a, b)) faults.push([a.text, b.text]);
+        });
+      }
+      return [drawings.length, faults];""")
+    assert faults == [7, []]  # two maps, a section and four charts
+
+
 def test_measured_values_have_a_table_and_charts_with_bands(window, page, tmp_path):
     """One run is in the band in the first half; so does the other, as its forces are the same."""
     _, runs = page

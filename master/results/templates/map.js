@@ -1,7 +1,7 @@
 // Map of a field on the developed surface: a canvas with interpolated colours, and a drawing over it with contours,
 // marks and axes.
 
-const BOX = { width: 430, height: 320, left: 40, top: 8, w: 380, h: 256 };   // of the drawing, and of the field in it
+const BOX = { width: 442, height: 320, left: 46, top: 8, w: 380, h: 256 };   // of the drawing, and of the field in it
 const FLOOR = BOX.top + BOX.h;
 const FINEST = 1023;   // last colour of a table
 const { ramps: RAMPS, rupture: RUPTURE } = data.style;   // film fraction at which the film ruptures
@@ -87,10 +87,10 @@ class FieldMap {
     const x = d3.scaleLinear([low, high], [BOX.left, right]), isTurn = axis.unit === "deg" && high - low > 350;
     const ticks = isTurn ? d3.range(90 * Math.ceil(low / 90), high + 5, 90) : d3.ticks(low, high, 5);
     for (const value of ticks)
-      this.text(Math.min(x(value), right - 4), FLOOR + 15, "tick", value + (isTurn ? "°" : ""));
+      this.text(Math.min(x(value), right - 4), FLOOR + 16, "tick", value + (isTurn ? "°" : ""));
     for (const [word, value] of Object.entries(axis.marks))
-      this.text(Math.max(BOX.left + 4 * word.length, x(value)), FLOOR + 30, "word", word);
-    this.text(BOX.left + BOX.w / 2, FLOOR + 45, "tick", withBrackets(axis.label, axis.unit));
+      this.text(Math.max(BOX.left + 4 * word.length, x(value)), FLOOR + 32, "word", word);
+    this.text(BOX.left + BOX.w / 2, FLOOR + 48, "tick", withBrackets(axis.label, axis.unit));
   }
 
   drawAxisAlong() {
@@ -98,7 +98,7 @@ class FieldMap {
     for (const value of d3.ticks(low, high, 4))
       this.text(BOX.left - 5, y(value) + 4, "", value).attr("text-anchor", "end");
     this.text(0, 0, "tick", withBrackets(axis.label, axis.unit))
-      .attr("transform", `translate(11 ${BOX.top + BOX.h / 2}) rotate(-90)`);
+      .attr("transform", `translate(12.5 ${BOX.top + BOX.h / 2}) rotate(-90)`);
   }
 
   // every cell is an odd number of pixels wide, so that the middle one has the value of the cell
