@@ -4,7 +4,7 @@ The layers above choose them. The script of a page draws them (templates/page.js
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, is_dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -49,13 +49,17 @@ class Band:
 
 @dataclass(frozen=True)
 class Extreme:
-    """Lowest or highest point of a curve: `sign` "ring" or "cross", number of the run, value."""
+    """Lowest or highest point of a curve: `sign` "ring" or "cross", number of the run, value.
+
+    anchor : part of the text that is at the point.
+    """
 
     sign: str
     run: int
     x: float
     y: float
     text: str
+    anchor: Literal["start", "middle", "end"] = "middle"
 
 
 @dataclass(frozen=True)
@@ -187,7 +191,7 @@ def _line_chart(case, picture, ports, runs, x_unit, title):
         x=labelled(name_of(picture.x), shown),
         y=labelled(title, unit),
         curves=curves,
-        extremes=extremes,
+        extremes=_anchored(extremes, curves),
         cursor=picture.x == (crank_angle_port(case) or "time"),
         bands=_bands(ports, case.window, picture.units, next(iter(runs.values()))),
     )
@@ -201,6 +205,33 @@ def _extremes(port, run, x, y, unit) -> list[Extreme]:
         return []
     k = int(y.argmin() if sign == "ring" else y.argmax())
     return [Extreme(sign, run, float(x[k]), float(y[k]), f"{y[k]:.3g} {unit}".strip())]
+
+
+NEAR = 0.15, 0.2
+"""Distance of two points whose texts would meet, relative to width and height of a chart."""
+
+
+def _anchored(extremes, curves) -> list[Extreme]:
+    """Return extremes with texts inside the chart, on both sides of two points that are near."""
+    if not extremes:
+        return []
+    x = np.concatenate([curve.x for curve in curves])
+    y = np.concatenate([curve.y for curve in curves])
+    width, height = np.ptp(x) or 1.0, np.ptp(y) or 1.0
+    placed = []
+    for k, one in enumerate(extremes):
+        others = [
+            (other.x, n)
+            for n, other in enumerate(extremes)
+            if n != k
+            and abs(other.x - one.x) < NEAR[0] * width
+            and abs(other.y - one.y) < NEAR[1] * height
+        ]
+        share = (one.x - x.min()) / width
+        is_left = share > 0.88 or (share > 0.12 and any(other > (one.x, k) for other in others))
+        is_right = share < 0.12 or bool(others)
+        placed.append(replace(one, anchor="end" if is_left else "start" if is_right else "middle"))
+    return placed
 
 
 def _own_words(ports):

@@ -162,25 +162,28 @@ def draw_chart(panel, chart: Chart):
         panel.plot(curve.x, curve.y, LINES[curve.dash], color=colour, lw=1.2, label=curve.name)
     for band in chart.bands:
         panel.axhspan(band.low, band.high, color=WINDOW, alpha=0.16, lw=0, label=band.said)
-    ends = [end for curve in chart.curves for end in (curve.x.min(), curve.x.max())]
     for one in chart.extremes:
         panel.plot(one.x, one.y, SIGNS[one.sign][0], mfc="none", mec="black", ms=8, mew=1.4)
-        share = (one.x - min(ends)) / (np.ptp(ends) or 1.0)
         colour = PALETTE[one.run % len(PALETTE)]
-        _write(panel, one.text, (one.x, one.y), share, one.sign == "cross", color=colour)
+        anchor = ANCHORS[one.anchor]
+        _write(panel, one.text, (one.x, one.y), anchor, one.sign == "cross", color=colour)
     if chart.extremes:
         panel.margins(y=0.18)  # for the values
     panel.set_ylabel(chart.y)
 
 
-def _write(panel, text, at, share, is_above, **given):
-    """Write a value above or below a mark, which is at a share of the width of its panel."""
+ANCHORS = {"start": "left", "middle": "center", "end": "right"}
+
+
+def _write(panel, text, at, anchor, is_above, **given):
+    """Write a value above or below a mark."""
+    aside = {"left": 6, "center": 0, "right": -6}[anchor]
     panel.annotate(
         text,
         at,
-        (0, 8 if is_above else -8),
+        (aside, 8 if is_above else -8),
         textcoords="offset points",
-        ha="left" if share < 0.12 else "right" if share > 0.88 else "center",
+        ha=anchor,
         va="bottom" if is_above else "top",
         fontsize=8,
         fontweight="bold",
@@ -370,7 +373,8 @@ class _PlacedMark:
         marker, _ = SIGNS[self.mark.sign]
         given = {"mfc": "none", "mec": "black", "ms": 9, "mew": 1.4, "path_effects": [HALO]}
         panel.plot(*self.at, marker, clip_on=False, **given)
-        _write(panel, self.mark.text, self.at, self.share[0], self.is_above)
+        anchor = "left" if self.share[0] < 0.12 else "right" if self.share[0] > 0.88 else "center"
+        _write(panel, self.mark.text, self.at, anchor, self.is_above)
 
 
 def _placed_marks(one, box) -> list[_PlacedMark]:

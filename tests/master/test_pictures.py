@@ -8,6 +8,7 @@ import pytest
 from matplotlib.colors import Normalize, to_rgb
 
 from piston_cosim.master.case.shown import NEUTRAL, Axes, Axis, Picture
+from piston_cosim.master.results.charts import line_charts
 from piston_cosim.master.results.figures import subplots
 from piston_cosim.master.results.maps import (
     STYLE,
@@ -373,6 +374,33 @@ def test_the_lowest_film_and_the_highest_pressure_of_curves_are_marked():
         ["5 MPa"],
         [],
     ]
+
+
+@pytest.mark.parametrize(
+    "points, anchors",
+    [
+        ([(50, 5), (52, 5.1)], ["end", "start"]),  # near: on both sides
+        ([(52, 5), (50, 5)], ["start", "end"]),
+        ([(50, 5), (50, 5)], ["end", "start"]),
+        ([(50, 5), (52, 9)], ["middle", "middle"]),  # one below the other
+        ([(2, 5), (98, 5)], ["start", "end"]),  # at the edges
+    ],
+)
+def test_values_of_extremes_do_not_meet(points, anchors):
+    """Each run has its highest value at a point; the chart is 100 wide and 10 high."""
+    runs = {}
+    for k, (x, y) in enumerate(points):
+        held = {
+            "b.crank_angle": ([0.0, x, 100.0], "rad"),
+            "e.maximum_pressure": ([0.0, y, 0.0], "Pa"),
+        }
+        runs[f"r{k}"] = InMemory([], held)
+    held = {"b.crank_angle": ([0.0, 100.0], "rad"), "e.maximum_pressure": ([-1.0, 10.0], "Pa")}
+    runs["frame"] = InMemory([], held)
+    y = [["e.maximum_pressure"]]
+    picture = Picture(file="a.png", title="", kind="lines", x="b.crank_angle", y=y)
+    (chart,) = line_charts(case_of(), picture, runs, None)
+    assert [extreme.anchor for extreme in chart.extremes][:-1] == anchors
 
 
 def deuteranopic(colour):

@@ -109,12 +109,11 @@ function curveMark(curve) {
 // lowest and highest points with their values
 function extremeMarks(drawn) {
   const own = (drawn.extremes || []).filter(extreme => shows(extreme.run)), at = { x: "x", y: "y" };
-  return ["ring", "cross"].flatMap(sign => {
-    const some = own.filter(extreme => extreme.sign === sign), isRing = sign === "ring";
-    const text = { ...at, text: "text", dy: isRing ? 11 : -11, fontSize: 10, clip: false };
-    const halo = { stroke: "var(--paper)", strokeWidth: 3, paintOrder: "stroke" };
-    const symbol = isRing ? "circle" : "plus", stroke = ({ run }) => colourOf(run);
-    return [Plot.dot(some, { ...at, symbol, r: 4, stroke, strokeWidth: 1.6 }), Plot.text(some, { ...text, ...halo })];
+  const halo = { stroke: "var(--paper)", strokeWidth: 3, paintOrder: "stroke", fontSize: 10, clip: false };
+  return own.flatMap(extreme => {
+    const isRing = extreme.sign === "ring", dot = { ...at, symbol: isRing ? "circle" : "plus", r: 4, strokeWidth: 1.6 };
+    const text = { ...at, text: "text", textAnchor: extreme.anchor, dy: isRing ? 11 : -11, ...halo };
+    return [Plot.dot([extreme], { ...dot, stroke: colourOf(extreme.run) }), Plot.text([extreme], text)];
   });
 }
 
