@@ -321,7 +321,8 @@ def _read(
     sizes = tuple(n * 2 ** (LEVELS - 1) for n in COARSEST)
     if len(grid) != 2 or any(not n or n % size for n, size in zip(grid, sizes)):
         faults.append(f"grid: expected multiples of {sizes[0]} and {sizes[1]} cells, got {grid}")
-    faults += [f"{name}: expected no value, because the inputs set it" for name in OWN & set(film)]
+    for name in sorted(OWN & set(film)):
+        faults.append(f"{name}: expected no value, which the inputs set, got {film[name]!r}")
     parameters: dict[str, Any] = dict(LAWS.get(supply, {}))
     with collecting(faults):
         parameters |= _oil(oil)

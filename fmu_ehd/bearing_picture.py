@@ -1,13 +1,10 @@
 """A picture of a journal bearing in balance: its section with the pressure, and both fields."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-
-if TYPE_CHECKING:
-    from .bearing import Bearing
 
 GAP = 0.35
 """Drawn clearance over the drawn radius of the shell, 1."""
@@ -17,7 +14,7 @@ PRESSURE, FILM, BODY = "#b5442e", "#1b4f8a", "#d9d9d9"
 DEGREE = "\N{DEGREE SIGN}"
 
 
-def picture(bearing: "Bearing") -> Figure:
+def picture(bearing: Any) -> Figure:
     """Return the section of a bearing, and pressure and film thickness over the angle.
 
     Parameters
@@ -50,7 +47,7 @@ def _points(angle: Any, radius: Any) -> tuple[Any, Any]:
     return radius * np.sin(angle), -radius * np.cos(angle)
 
 
-def _draw_section(panel: Axes, bearing: "Bearing", angle: Any, pressure: Any) -> None:
+def _draw_section(panel: Axes, bearing: Any, angle: Any, pressure: Any) -> None:
     """Draw shell and journal with the clearance enlarged, the pressure, the load and the speed."""
     around = np.append(angle, angle[0] + 2.0 * np.pi)
     height = TALLEST * np.maximum(pressure, 0.0) / pressure.max()
@@ -78,7 +75,7 @@ def _draw_section(panel: Axes, bearing: "Bearing", angle: Any, pressure: Any) ->
     panel.set_title("section, clearance enlarged", fontsize="medium")
 
 
-def _draw_curves(panel: Axes, bearing: "Bearing", angle: Any, fields: dict[str, Any]) -> None:
+def _draw_curves(panel: Axes, bearing: Any, angle: Any, fields: dict[str, Any]) -> None:
     """Draw pressure and film thickness at mid-length, with their extremes."""
     degrees = np.degrees(angle)
     panel.plot(degrees, fields["pressure"] / 1e6, color=PRESSURE)

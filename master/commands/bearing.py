@@ -66,7 +66,7 @@ def command(
     others = dict(parse_changes(set_))
     if twice := [name for name in others if name in given]:
         options = (name.replace("_", "-") for name in twice)
-        raise BadInput([f"--set {name}: expected --{name} instead" for name in options])
+        raise BadInput([f"--set: expected --{name} instead, got {name}=..." for name in options])
     try:
         result = part.bearing(**given, **others)
     except BadInput as error:

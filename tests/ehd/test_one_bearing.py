@@ -221,7 +221,7 @@ FAULTS = {
     "oil": ("SAE 5W-30", "oil: expected a temperature after the name, got 'SAE 5W-30'"),
     "supply": ("pump", "supply: expected one of flooded, groove, got unknown supply 'pump'"),
     "grid": ((100, 24), "grid: expected multiples of 120 and 24 cells, got (100, 24)"),
-    "bore_radius": ("1 mm", "bore_radius: expected no value, because the inputs set it"),
+    "bore_radius": ("1 mm", "bore_radius: expected no value, which the inputs set, got '1 mm'"),
     "viscosty": ("1 Pa s", "unknown parameter 'viscosty'; did you mean 'viscosity'"),
 }
 

@@ -178,7 +178,7 @@ SAID = {
     "profile text.csv --skirt-lower -45": "--skirt-lower: expected a quantity in m, got '-45'",
     "bearing --radius 25 --load=-1kN": "--radius: expected a quantity in m, got '25'; write",
     "bearing --length 1mm": "--speed: expected a quantity in rad/s, got nothing",
-    "bearing --set load=2": "--set load: expected --load instead",
+    "bearing --set load=2": "--set: expected --load instead, got load=...",
     "run data_shet": "expected a file, a folder with case.toml or the name of a case",
     "keys viscousity": "expected a word of a key, got 'viscousity'; did you mean 'viscosity'",
     "study numerical_example mode": "study: expected one of modes, choice, grid,",
