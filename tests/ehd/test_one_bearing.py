@@ -83,7 +83,7 @@ def test_the_closed_forms_are_derivatives_of_the_short_film(e):
             )
             for way in (-small, small)
         ]
-        k[:, column], d[:, column] = np.subtract(*ends) / (2.0 * small)
+        k[:, column], d[:, column] = np.subtract(ends[0], ends[1]) / (2.0 * small)
     exact = short_bearing(e)
     for found, closed in zip((k, d), exact):
         found *= bearings.CLEARANCE / force[1]
