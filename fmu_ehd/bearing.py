@@ -259,7 +259,7 @@ def bearing(
     ...     oil="SAE 5W-30 at 90 degC",
     ... )
     >>> print(f"{bearing.sommerfeld_number:.3f} {bearing.eccentricity_ratio:.2f}")
-    0.355 0.58
+    0.361 0.57
     """
     given = dict(radius=radius, length=length, clearance=clearance, speed=speed, load=load)
     given |= dict(supply_pressure=supply_pressure, groove_angle=groove_angle)
