@@ -157,7 +157,8 @@ def limits(study, rows) -> dict[str, Limit]:
         if np.isnan(order):
             found[name] = Limit(fine, SAFETY_WITHOUT * float(np.ptp(values)), order)
         else:
-            rest = (fine - middle) / ((size[1] / size[2]) ** order - 1.0)  # Eq. (W5)
+            *_, before, last = size
+            rest = (fine - middle) / ((before / last) ** order - 1.0)  # Eq. (W5)
             found[name] = Limit(fine + rest, SAFETY * abs(rest), order)
     return found
 
