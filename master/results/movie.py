@@ -77,7 +77,7 @@ def write_movie(
 
 def _frames(rows, titles):
     """Yield a frame as an image with a palette for each title; axes are drawn once."""
-    figure, panels = map_figure([row._replace(maps=row.maps[:1]) for row in rows])
+    figure, panels = map_figure(rows, 1)
     kinds = kinds_of(figure)
     figure.set_dpi(RESOLUTION)
     title = figure.suptitle(titles[0])

@@ -238,9 +238,12 @@ def draw_maps(case, picture, runs):
     return figure
 
 
-def map_figure(rows: list[MapRow]):
-    """Return a figure of maps and its panels, with a legend of lines and marks."""
-    columns = max(len(row.maps) for row in rows)
+def map_figure(rows: list[MapRow], columns: int | None = None):
+    """Return a figure of maps and its panels, with a legend of lines and marks.
+
+    `columns` is the number of maps of each row that are drawn (default: all).
+    """
+    columns = columns or max(len(row.maps) for row in rows)
     size = (1.5 + 4.6 * columns, 1.4 + 2.9 * len(rows))
     figure, panels = subplots(len(rows), columns, squeeze=False, figsize=size)
     for line, row in zip(panels, rows):

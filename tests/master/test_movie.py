@@ -1,13 +1,16 @@
 """Moving pictures of recorded fields."""
 
+import numpy as np
 import pytest
 from PIL import Image
 
 from piston_cosim.master.case.checked import check_case
+from piston_cosim.master.case.shown import NEUTRAL
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results import movie
+from piston_cosim.master.results.maps import FieldMap, Layer, map_row, masked
 from piston_cosim.master.results.movie import PER_SECOND, write_movie
-from piston_cosim.master.results.pictures import draw_values
+from piston_cosim.master.results.pictures import draw_values, map_figure
 
 from .test_page import INSTANTS, TREE, written
 
@@ -43,6 +46,28 @@ def test_every_chosen_instant_is_a_frame(case, results, tmp_path, monkeypatch):
     for (image, low, high), values in zip(shown, held, strict=True):
         assert image.data[there] == pytest.approx(values[there])
         assert (low, high) == pytest.approx((held[:, there].min(), held[:, there].max()))
+
+
+def test_the_legend_has_the_lines_and_marks_of_all_instants():
+    """The second instant alone has pressure, and a film that ruptures."""
+    height = np.tile(np.arange(4.0), (8, 1))
+    first, second = (
+        FieldMap(
+            "p [MPa]",
+            "pressure",
+            NEUTRAL,
+            "",
+            {
+                "pressure": Layer(masked(pressure, None), "MPa"),
+                "fraction": Layer(masked(fraction, None), ""),
+            },
+        )
+        for pressure, fraction in ((0 * height, 1 + height), (height, height))
+    )
+    figure, panels = map_figure([map_row([first, second])], 1)
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert panels.shape == (1, 1)
+    assert words == ["highest pressure", "film ruptures (film fraction 0.99)"]
 
 
 def test_without_fields_those_of_the_case(case, results, tmp_path):
