@@ -33,7 +33,7 @@ TEXTS = {
 }
 """File of the repository -> page of the site."""
 
-PICTURED = r"index\.md|gallery\.md|theory/index\.md|cases/.*|notebooks/.*"
+PICTURED = r"index\.md|gallery\.md|theory/index\.md|(cases|how_to|notebooks|tutorials)/.*"
 """Pages that must show a picture."""
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]+)(#[^)]*)?\)")
 MADE = re.compile(r"page `([\w/]+)` of the site")

@@ -3,6 +3,7 @@
 const WORDS = { raise: "larger is better", lower: "smaller is better", none: "no direction" };
 const SIGNS = { pass: "✓", warning: "!", fail: "✕" };
 const OTHER = -1;   // number of no input
+const MOST = 60;   // points of a map with written values
 const GLYPH = 6.6;   // width of a letter [px]
 const outputs = data.outputs;   // name, direction, values and uncertainties of each
 const inputs = data.inputs;     // name, values as positions and texts of each; named: positions have no meaning
@@ -32,7 +33,8 @@ function reading(output, design) {
   if (typeof error !== "number") return `${text} (${error || "uncertainty unknown"})`;
   if (!error) return `${text} ± 0`;
   const last = Math.floor(Math.log10(error)) - (error / 10 ** Math.floor(Math.log10(error)) < 2 ? 1 : 0);
-  const tailed = own => last >= 0 ? String(Math.round(own / 10 ** last) * 10 ** last) : own.toFixed(Math.min(20, -last));
+  const unit = 10 ** last;
+  const tailed = own => last >= 0 ? String(Math.round(own / unit) * unit) : own.toFixed(Math.min(20, -last));
   return `${tailed(value)} ± ${tailed(error)}`;
 }
 
@@ -58,6 +60,7 @@ function draw(parent, options) {
 
 const HALO = { stroke: "var(--paper)", strokeWidth: 3, strokeOpacity: 0.8, paintOrder: "stroke" };
 const links = { href: linkOf, title: inWords };
+const valueText = output => ({ text: valueWithSign(output), ...HALO, pointerEvents: "none" });
 const axisOf = ({ name, values }) => ({ label: name, tickFormat: digitsWithin(values) });
 
 // bars of uncertainty along x or y
@@ -73,8 +76,8 @@ const signs = (own, at) => ["warning", "fail"].map(outcome => Plot.text(
   { ...at, text: () => SIGNS[outcome], dx: 12, dy: -9, fontWeight: 700, fontSize: 14, className: outcome, ...HALO },
 ));
 const valueWithSign = output => design => {
-  const { outcome } = data.checks[design];
-  return digitsWithin(output.values)(output.values[design]) + (["warning", "fail"].includes(outcome) ? ` ${SIGNS[outcome]}` : "");
+  const { outcome } = data.checks[design], sign = ["warning", "fail"].includes(outcome) ? ` ${SIGNS[outcome]}` : "";
+  return digitsWithin(output.values)(output.values[design]) + sign;
 };
 
 function drawFront() {
@@ -130,7 +133,8 @@ function surface(output, own, across, up) {
   const cell = (list, value) => Math.max(0, Math.min(list.length - 2, d3.bisectRight(list, value) - 1));
   const at = (i, j) => values.get(`${xs[i]} ${ys[j]}`) ?? NaN;
   return (x, y) => {
-    const i = cell(xs, x), j = cell(ys, y), u = (x - xs[i]) / (xs[i + 1] - xs[i]), v = (y - ys[j]) / (ys[j + 1] - ys[j]);
+    const i = cell(xs, x), j = cell(ys, y);
+    const u = (x - xs[i]) / (xs[i + 1] - xs[i]), v = (y - ys[j]) / (ys[j + 1] - ys[j]);
     return (1 - v) * ((1 - u) * at(i, j) + u * at(i + 1, j)) + v * ((1 - u) * at(i, j + 1) + u * at(i + 1, j + 1));
   };
 }
@@ -155,7 +159,7 @@ function drawMap(parent, output, own, across, up) {
       Plot.raster({ ...drawn, pixelSize: 2 }),
       ...contours,
       Plot.dot(own, { ...at, ...links, r: 4, fill: "var(--paper)", stroke: "var(--ink)" }),
-      Plot.text(own, { ...at, text: valueWithSign(output), dy: -13, ...HALO, pointerEvents: "none" }),
+      Plot.text(own.length > MOST ? [] : own, { ...at, dy: -13, ...valueText(output) }),
     ],
   });
 }
@@ -202,17 +206,19 @@ function drawCells(parent, output, own, across, up) {
   const at = { x: design => up.values[design], y: design => across.values[design] };
   draw(parent, {
     height: 120 + 46 * levels(across, own).length, marginLeft: marginOf(across), marginBottom: 30 + 0.6 * marginOf(up),
-    x: { ...bandOf(up), tickRotate: up.named ? -30 : 0 }, y: bandOf(across), color: { label: output.name, scheme: "viridis" },
+    x: { ...bandOf(up), tickRotate: up.named ? -30 : 0 }, y: bandOf(across),
+    color: { label: output.name, scheme: "viridis" },
     marks: [
       Plot.cell(own, { ...at, ...links, fill: design => output.values[design], inset: 1 }),
-      Plot.text(own, { ...at, text: valueWithSign(output), ...HALO, pointerEvents: "none" }),
+      Plot.text(own, { ...at, ...valueText(output) }),
     ],
   });
 }
 
 // choices of the panels: two inputs, the values of the others, and an output for each
 function choosePanels() {
-  const parent = byId("swept"), numbers = [...inputs.keys()].filter(k => !inputs[k].named && levels(inputs[k]).length > 1);
+  const parent = byId("swept");
+  const numbers = [...inputs.keys()].filter(k => !inputs[k].named && levels(inputs[k]).length > 1);
   const [first, second] = [...new Set([...numbers, ...inputs.keys()])];
   Object.assign(seen, { across: first, up: second ?? OTHER, held: inputs.map(input => input.values[0]) });
   const select = (words, entries, value, set) => {
