@@ -1,7 +1,7 @@
 """Compare this case with the figures of the source paper: rigid bodies and 20, 40 and 60 modes.
 
 Reads a study of this case and prints its findings. From the study of the modes it also draws the
-two pictures of PAPER.md next to this script. From a run it prints how alike its variants are:
+two pictures of PAPER.md next to this script. From a run it also prints how alike its variants are:
 
 piston-cosim study numerical_example modes
 python -m piston_cosim.models.numerical_example.paper results/study_numerical_example_modes
@@ -82,20 +82,30 @@ def deflection(results: Results) -> np.ndarray:
     return gap - profile + sine[None, :, None] * shift[:, None, :]
 
 
+def at_whole_steps(results: Results, port: str) -> np.ndarray:
+    """Return an output at whole degrees: the parts of steps that repeat slaps are left out.
+
+    The crank speed is constant, so that their mean is that over time.
+    """
+    degrees = np.degrees(results.crank_angle)
+    return results.series(port).values[np.abs(degrees - np.round(degrees)) < 1e-6]
+
+
 def findings(results: Results) -> Findings:
     """Return the results that the paper discusses."""
     axis = check_case(results.case, results.path).axes_of("ehd.pressure").first
     friction = sum(
-        results.series(f"ehd.friction_force_{kind}").values for kind in ("hydrodynamic", "asperity")
+        at_whole_steps(results, f"ehd.friction_force_{kind}")
+        for kind in ("hydrodynamic", "asperity")
     )
-    up = results.series("bodies.piston_velocity").values > 0.0
+    up = at_whole_steps(results, "bodies.piston_velocity") > 0.0
     bend = deflection(results)
     lines = [int(bend.shape[1] * angle / 360) for angle in FACES.values()]
     return Findings(
         results.series("ehd.minimum_film_thickness").values.min(),
         results.series("ehd.maximum_pressure").values.max(),
         np.abs(friction[up]).mean(),
-        results.series("ehd.friction_power").values[1:].mean(),
+        at_whole_steps(results, "ehd.friction_power")[1:].mean(),
         bend[:, lines].max(),
         side_peaks(axis, results.dataset("ehd.pressure")[:]),
     )
@@ -145,7 +155,7 @@ def tendency_table(runs: dict[str, Results]) -> str:
     lines = [f"| run | {' | '.join(CURVES)} |", "|---" * (1 + len(CURVES)) + "|"]
     for run, results in runs.items():
         pairs = [
-            [one.series(port).values for one in (results, runs["rigid"])]
+            [at_whole_steps(one, port) for one in (results, runs["rigid"])]
             for port in CURVES.values()
         ]
         cells = [f"{np.corrcoef(*pair)[0, 1]:.2f}" for pair in pairs]
@@ -236,7 +246,9 @@ def draw_sides(runs: dict[str, Results], path: Path) -> None:
 def main(folder: Path) -> None:
     """Print the tables of a finished study or run; draw the pictures of the study of the modes."""
     if not (folder / "sweep.csv").exists():
-        print(tendency_table({path.stem: Results(path) for path in sorted(folder.glob("*.h5"))}))
+        variants = {path.stem: Results(path) for path in sorted(folder.glob("*.h5"))}
+        print(table({name: findings(results) for name, results in variants.items()}), end="\n\n")
+        print(tendency_table(variants))
         return
     with open(folder / "sweep.csv", newline="") as file:
         rows = list(csv.DictReader(file))

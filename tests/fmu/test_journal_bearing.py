@@ -1,9 +1,11 @@
 """The shaft in models/journal_bearing: numbers by hand, and coupled with its film."""
 
 import numpy as np
+import pytest
 
 from piston_cosim.master.case.reading import find_case, read_tree
 
+from ..shown import differences, rounds_to, table, written
 from .runs import module_of, run_tree
 
 PATH = find_case("journal_bearing")
@@ -102,3 +104,89 @@ def test_an_elastic_shell_opens_the_film_and_takes_its_load(tmp_path):
         assert np.allclose(of(f"shell.force_{axis}"), -of(f"shaft.{way}_force"), rtol=1e-9)
     power = of("shaft.drive_torque") * 100.0 * np.pi
     assert np.allclose(power, of("film.friction_power"), rtol=1e-3)
+
+
+PAGE = "models/journal_bearing/README.md"
+TEXT = (PATH.parent / "README.md").read_text()
+
+
+def variant_run(tmp_path, label):
+    """Return the results of a variant."""
+    changes = read_tree(PATH)["variants"].get(label, {})
+    changes.pop("title", None)
+    return ran(tmp_path, *changes.items())
+
+
+def last(results, name, length):
+    """Return an output over the last part of a run [s]."""
+    series = results.series(name).values
+    return series[results.time >= results.time[-1] - length + 1e-9]
+
+
+def test_the_page_shows_the_run_of_the_unbalanced_shaft(tmp_path):
+    found = variant_run(tmp_path, "unbalanced").summary
+    shown = table(PAGE, "quantity")
+    whirl = [row for row in shown if "whirl" in row]
+    assert len(whirl) == 1
+    power = [found["mean_friction_power_w"]]
+    assert found["mass_imbalance_max"] < 1e-14
+    assert (
+        differences(
+            {row: cells[:1] for row, cells in shown.items() if row not in whirl},
+            {
+                "largest and last eccentricity of `unbalanced`": [
+                    [found["eccentricity_max"], found["eccentricity_last"]]
+                ],
+                "mean friction power of `unbalanced`": [power],
+                "mean flow from the groove of `unbalanced`": [[found["mean_supply_m3_s"]]],
+                "largest mass imbalance of `unbalanced`": [[1e-14]],  # the bound
+            },
+        )
+        == []
+    )
+
+
+@pytest.mark.slow
+def test_the_page_shows_the_run_that_whirls(tmp_path):
+    results = variant_run(tmp_path, "whirl")
+    x, y = (last(results, f"shaft.{way}_displacement", 0.05) for way in ("horizontal", "vertical"))
+    angle = np.unwrap(np.arctan2(y, x))
+    frequency = (angle[-1] - angle[0]) / 0.05 / (15000.0 * np.pi / 30.0)
+    (shown,) = table(PAGE, "quantity")["frequency of `whirl` over shaft speed, last 50 ms"][0]
+    assert rounds_to(frequency, shown)
+    eccentricity = results.series("shaft.eccentricity").values
+    peaks = [
+        eccentricity[
+            np.abs(results.time - instant) < 0.005
+        ].max()  # a revolution of the orbit: 8 ms
+        for instant in (0.004, 0.04, 0.098)
+    ]
+    shown = written(r"eccentricity is ([\d.]+) .*, ([\d.]+) after 40 ms and ([\d.]+) a", TEXT)
+    assert all(map(rounds_to, peaks, shown))
+
+
+@pytest.mark.slow
+def test_the_page_shows_the_runs_with_and_without_an_elastic_liner(tmp_path):
+    columns = {}
+    for label in ("heavy", "elastic"):
+        results = variant_run(tmp_path, label)
+        of = {
+            name: last(results, f"{name}", 0.02)
+            for name in ("shaft.eccentricity", "film.maximum_pressure", "film.friction_power")
+        }
+        film = last(results, "film.minimum_film_thickness", 0.02)
+        opened = (
+            last(results, "shell.largest_deflection", 0.02) if label == "elastic" else np.zeros(1)
+        )
+        columns[label] = {
+            "largest eccentricity": [of["shaft.eccentricity"].max()],
+            "highest pressure": [1e-6 * of["film.maximum_pressure"].max()],
+            "minimum film thickness": [1e6 * film.min()],
+            "mean friction power": [of["film.friction_power"].mean()],
+            "largest deflection of the liner": [1e6 * opened.max()],
+        }
+        force = results.series("shaft.vertical_force").values
+        (shown,) = written(r"carry about ([\d.]+) kN upwards", TEXT)
+        assert rounds_to(1e-3 * force[np.argmin(np.abs(results.time - 0.076))], shown)
+    rows = {row: [one[row] for one in columns.values()] for row in columns["heavy"]}
+    assert differences(table(PAGE, "last 20 ms"), rows) == []

@@ -4,6 +4,7 @@ Both of its runs continue until they repeat.
 """
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,10 +12,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from piston_cosim.master.engine.impacts import impacts
 from piston_cosim.master.results.file import Results
-from piston_cosim.models.numerical_example.paper import deflection, findings
+from piston_cosim.models.numerical_example.paper import (
+    CURVES,
+    at_whole_steps,
+    deflection,
+    findings,
+)
 
 from ..command import call
+from ..shown import differences, rounds_to, table, written
 
 DEGREES = 360
 ROOT = Path(__file__).parents[2]
@@ -27,6 +35,7 @@ def job(tmp_path_factory):
     command = [sys.executable, "-m", "piston_cosim", *words]
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=900)
     assert run.returncode == 0, run.stdout + run.stderr
+    (folder / "printed.txt").write_text(run.stdout)
     return folder
 
 
@@ -90,6 +99,90 @@ def test_the_run_repeats_the_numbers_of_the_front_page(summary):
     for variant, run in (("flexible", summary), ("rigid", summary["variants"]["rigid"])):
         for key in ("minimum_film_thickness_m", "maximum_pressure_pa", "mean_friction_power_w"):
             assert run[key] == pytest.approx(stored[variant][key], rel=1e-3), (variant, key)
+
+
+PAGE = "models/numerical_example/README.md"
+SWEPT = np.pi * 28.25e-3**2 * 49.5e-3
+"""Displacement of the engine [m3]."""
+
+
+def row_numbers(results, run, printed):
+    """Return the numbers of a column of the page by row; `printed` is what the command printed."""
+    one = findings(results)
+    bends = one.bend > 1e-9
+    film = results.dataset("bodies.film_thickness")[:]
+    _, around, _ = np.unravel_index(film.argmin(), film.shape)
+    tilt = np.degrees(results.series("bodies.rocking_angle").values)
+    miss = [100.0 * run["truncation_error_film"], 2.0] if bends else []
+    return {
+        "minimum film thickness": [1e6 * one.film, *([9.0 * around] if bends else [])],
+        "highest film pressure": [
+            1e-6 * one.pressure,
+            *([one.peaks[0].distance] if bends else []),
+        ],
+        "pressure above that on the line: thrust, anti-thrust side": [
+            100.0 * peak.excess for peak in one.peaks if bends
+        ],
+        "loaded instants with 15 % or more: thrust, anti-thrust side": [
+            100.0 * peak.share for peak in one.peaks if bends
+        ],
+        "mean friction on the upstroke": [one.friction],
+        "mean friction power": [run["mean_friction_power_w"]],
+        "gap opened by deflection on the thrust lines": [1e6 * one.bend],
+        "slap: kinetic energy lost": [
+            1e6 * max(hit.loss for hit in impacts(results, "bodies") or ())
+        ],
+        "tilt": [tilt.min(), tilt.max()],
+        "gap missed by the modes over film thickness": miss,
+        "difference from the revolution before": [run["period_distance"], run["periods"]],
+        "iterations per step": [run["mean_iterations"]],
+        "checks": [float(printed)],
+    }
+
+
+@pytest.fixture
+def columns(job, summary, flexible, rigid):
+    """Return the numbers of the run by row, one list for each column of the page."""
+    printed = re.findall(r"(\d+) pass", (job / "printed.txt").read_text())
+    runs = summary, summary["variants"]["rigid"]
+    both = [row_numbers(*one) for one in zip((flexible, rigid), runs, printed)]
+    return {row: [one[row] for one in both] for row in both[0]}
+
+
+def test_the_page_shows_every_number_of_the_run(columns):
+    assert differences(table(PAGE, "quantity"), columns) == []
+
+
+def test_the_front_page_shows_the_numbers_of_the_run(columns):
+    shown = {
+        "minimum film": [numbers[:1] for numbers in columns["minimum film thickness"]],
+        "maximum pressure": [numbers[:1] for numbers in columns["highest film pressure"]],
+        "position of the pressure peak": [columns["highest film pressure"][0][1:], []],
+        "mean friction power": columns["mean friction power"],
+    }
+    assert differences(table("README.md", "last revolution"), shown) == []
+
+
+def test_texts_of_the_pages_show_the_numbers_of_the_run(columns, flexible, rigid):
+    page, paper = ((ROOT / PAGE).with_name(name).read_text() for name in ("README.md", "PAPER.md"))
+    power = columns["mean friction power"][0][0]
+    effective = power / 100.0 / SWEPT / 1e3  # 100 revolutions per second [kPa]
+    shown = written(r"is ([\d.]+) kPa of .* or ([\d.]+) kPa over 720 deg", page)
+    assert rounds_to(effective, shown[0]) and rounds_to(2.0 * effective, shown[1])
+    first = np.searchsorted(flexible.whole.crank_angle, 2.0 * np.pi + 1e-9)
+    thinnest = flexible.whole.series("ehd.minimum_film_thickness").values[:first].min()
+    (shown,) = written(r"first revolution has a minimum film thickness of ([\d.]+) um", page)
+    assert rounds_to(1e6 * thinnest, shown)
+    upstroke = [numbers[0] for numbers in columns["mean friction on the upstroke"]]
+    shown = written(r"\| ([\d.]+) instead of ([\d.]+) N \((\d+) % less\)", paper)
+    less = 100.0 * (1.0 - upstroke[0] / upstroke[1])
+    assert all(map(rounds_to, (*upstroke, less), shown))
+    shown = written(r"correlations: (.*) \(lat.*\), (.*) and (.*) for tilt and", paper)
+    alike = [
+        np.corrcoef(*(at_whole_steps(one, port) for one in (flexible, rigid)))[0, 1]
+        for port in CURVES.values()
+    ]
+    assert all(map(rounds_to, alike, shown))
 
 
 def test_every_step_converged(summary, flexible):
