@@ -5,7 +5,8 @@ python tests/bench/slow/slaps.py CASE VARIANT BEGIN STOP [KEY=VALUE ...] RUN ...
 A run is STEP,TOLERANCE,RESOLUTION: the macro step [deg], the tolerance of the first wire, which is
 the film thickness [nm], and `impact_resolution` [nm]. 1e9 nm turns the parts off. Distances are
 those of the curves at each 2 deg from BEGIN to STOP [deg] over their range, rms and largest. Values
-of KEY are in JSON.
+of KEY are in JSON. `created_uj` is the sum of the energy that time integration creates in the steps
+that create energy [uJ].
 
 python tests/bench/slow/slaps.py data_sheet rigid 0 720 1,10,1e9 1,10,10 0.25,1,10
 """
@@ -38,7 +39,10 @@ def curves_of(case, variant, begin, stop, changes, run):
     with TemporaryDirectory() as folder:
         with pc.open_case(case, changes, variant).run(Path(folder) / "run.h5") as results:
             counts = [results.summary.get(name, 0) for name in COUNTS]
-            print(run, *counts, f"{results.summary['energy_created_share_max']:.4f}", flush=True)
+            power = results.series(f"{bodies}.power_error").values
+            created = 1e6 * np.sum(np.diff(results.time) * np.maximum(power[1:], 0.0))
+            share = results.summary["energy_created_share_max"]
+            print(run, *counts, f"{share:.4f} {created:.3g}", flush=True)
             wanted = [one for one in results.ports if one.endswith("minimum_film_thickness")]
             wanted += [f"{bodies}.{one}" for one in CURVES]
             turned = results.series(f"{bodies}.crank_angle").values
@@ -57,7 +61,7 @@ def main(case, variant, begin, stop, *rest):
         key: loads(value) for key, value in (one.split("=", 1) for one in rest if "=" in one)
     }
     runs = [one for one in rest if "=" not in one]
-    print("run", *COUNTS, "energy_created_share_max")
+    print("run", *COUNTS, "energy_created_share_max", "created_uj")
     where = case, variant, float(begin), float(stop), changes
     found = [curves_of(*where, run) for run in runs]
     for name, reference in found[-1].items():
