@@ -43,8 +43,8 @@ def written(pattern: str, text: str) -> tuple[str, ...]:
     return (groups,) if isinstance(groups, str) else groups
 
 
-def differences(rows, computed):
-    """Return the cells whose numbers are not those that a run computed.
+def check(rows, computed):
+    """Raise AssertionError with all cells whose numbers are not those that a run computed.
 
     Parameters
     ----------
@@ -52,11 +52,6 @@ def differences(rows, computed):
         Of `table`.
     computed : dict
         Label -> the numbers of each cell, in the units of the page.
-
-    Returns
-    -------
-    list of str
-        Empty if every number of every row agrees.
     """
     wrong = [f"{label}: not computed" for label in rows if label not in computed]
     wrong += [f"{label}: not on the page" for label in computed if label not in rows]
@@ -66,4 +61,4 @@ def differences(rows, computed):
             agree = len(shown) == len(values) and all(map(rounds_to, values, shown))
             if not agree:
                 wrong.append(f"{label}: {shown}, computed {values}")
-    return wrong
+    assert not wrong, "\n".join(["numbers of the page", *wrong])

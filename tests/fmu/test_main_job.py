@@ -22,7 +22,7 @@ from piston_cosim.models.numerical_example.paper import (
 )
 
 from ..command import call
-from ..shown import differences, rounds_to, table, written
+from ..shown import check, rounds_to, table, written
 
 DEGREES = 360
 ROOT = Path(__file__).parents[2]
@@ -150,7 +150,7 @@ def columns(job, summary, flexible, rigid):
 
 
 def test_the_page_shows_every_number_of_the_run(columns):
-    assert differences(table(PAGE, "quantity"), columns) == []
+    check(table(PAGE, "quantity"), columns)
 
 
 def test_the_front_page_shows_the_numbers_of_the_run(columns):
@@ -160,7 +160,7 @@ def test_the_front_page_shows_the_numbers_of_the_run(columns):
         "position of the pressure peak": [columns["highest film pressure"][0][1:], []],
         "mean friction power": columns["mean friction power"],
     }
-    assert differences(table("README.md", "last revolution"), shown) == []
+    check(table("README.md", "last revolution"), shown)
 
 
 def test_texts_of_the_pages_show_the_numbers_of_the_run(columns, flexible, rigid):

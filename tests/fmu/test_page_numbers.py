@@ -1,0 +1,190 @@
+"""Every number in the result tables of case pages, from runs of the cases.
+
+The main job and the journal bearing have tests of their own. Those of `data_sheet`,
+`fired_motorcycle`, `grooved_skirt`, `crank_bearings` and `whole_engine` are not here.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import piston_cosim as pc
+
+from ..shown import ROOT, check, table
+
+TEMPLATE = f"{ROOT}/models/lubrication_template/axial_film.py:AxialFilm"
+
+UNITS = {"um": 1e-6, "MPa": 1e6, "kN": 1e3, "mJ": 1e-3, "deg": np.pi / 180.0}
+"""Unit of a page -> SI; others are SI."""
+
+
+class Shown(NamedTuple):
+    """Quantity of a run: kind min, max, abs, mean or sum, an output, and the unit of the page.
+
+    A sum is that of the means of several outputs.
+    """
+
+    kind: str
+    outputs: str
+    unit: str = ""
+
+    def value(self, results):
+        """Return the value over the whole run; a mean has the lengths of the steps as weights."""
+        if self.outputs == "iterations":
+            return results.summary["mean_iterations"]
+        whole = results.whole
+        series = [whole.series(port).values for port in self.outputs.split()]
+        if self.kind in ("mean", "sum"):
+            weights = np.diff(whole.time)
+            value = sum(float(np.average(one[1:], weights=weights)) for one in series)
+        elif self.kind == "abs":
+            value = max(float(np.abs(one).max()) for one in series)
+        else:
+            value = float({"min": np.min, "max": np.max}[self.kind](series))
+        return value / UNITS.get(self.unit, 1.0)
+
+
+TILT = [Shown(kind, "bodies.rocking_angle", "deg") for kind in ("min", "max")]
+SIDEWAYS = [Shown(kind, "bodies.lateral_displacement", "um") for kind in ("min", "max")]
+CYLINDER = {
+    "minimum film thickness": ("min", "{0}_film.minimum_film_thickness", "um"),
+    "highest pressure": ("max", "{0}_film.maximum_pressure", "MPa"),
+    "largest side force": ("abs", "{0}.side_force", "kN"),
+    "largest kinetic energy across the bore": ("max", "{0}.kinetic_energy", "mJ"),
+}
+ENDS = ("front", "rear")
+
+
+def of_cylinder(label, end):
+    """Return a quantity of a cylinder of a twin."""
+    kind, output, unit = CYLINDER[label]
+    return Shown(kind, output.format(end), unit)
+
+
+PIN_FILMS = {
+    "minimum film thickness: boss, small end": [
+        Shown("min", "left_film.minimum_film_thickness", "um"),
+        Shown("min", "small_end_film.minimum_film_thickness", "um"),
+    ],
+    "highest pressure: boss, small end": [
+        Shown("max", "left_film.maximum_pressure", "MPa"),
+        Shown("max", "small_end_film.maximum_pressure", "MPa"),
+    ],
+}
+SIDE_FORCE = [Shown("abs", "bodies.side_force", "kN")]
+BOSSES = "left_film.friction_power right_film.friction_power"
+FLOATING = {
+    "lateral displacement": SIDEWAYS,
+    "largest side force": SIDE_FORCE,
+    "mean friction power of both bosses": [Shown("sum", BOSSES)],
+    "mean friction power of the small end": [Shown("mean", "small_end_film.friction_power")],
+} | PIN_FILMS
+YIELDING = PIN_FILMS | {
+    "mean friction power: skirt, bosses, small end": [
+        Shown("mean", "skirt_film.friction_power"),
+        Shown("sum", BOSSES),
+        Shown("mean", "small_end_film.friction_power"),
+    ],
+    "lateral displacement": SIDEWAYS,
+    "largest side force": SIDE_FORCE,
+}
+RINGS = {
+    "largest side force of the skirt": SIDE_FORCE,
+    "largest side force of the rings": [Shown("abs", "rings.side_force", "kN")],
+    "largest lateral displacement of A": [Shown("max", "bodies.lateral_displacement", "um")],
+    "range of the tilt": TILT,
+    "friction power of skirt and rings": [
+        Shown("mean", "ehd.friction_power"),
+        Shown("mean", "rings.friction_power"),
+    ],
+    "iterations per step": [Shown("mean", "iterations")],
+}
+TIED = {
+    "lateral displacement": SIDEWAYS,
+    "largest side force": SIDE_FORCE,
+    "mean friction power of both bosses": [Shown("mean", "bodies.pin_friction_power")],
+}
+FILM = {
+    "minimum film thickness": [Shown("min", "ehd.minimum_film_thickness", "um")],
+    "maximum pressure": [Shown("max", "ehd.maximum_pressure", "MPa")],
+    "maximum side force": SIDE_FORCE,
+    "mean iterations per step": [Shown("mean", "iterations")],
+}
+FRONT, REAR = ({label: [of_cylinder(label, end)] for label in CYLINDER} for end in ENDS)
+BOTH = {label: [of_cylinder(label, end) for end in ENDS] for label in CYLINDER}
+ON_BLOCK = {
+    "shaking force along y": ("block.shaking_force_y", "kN"),
+    "moment about z from side forces": ("block.shaking_moment_z", ""),
+    "force on the mounts along y": ("block.mount_force_y", ""),
+}
+LEAST, LARGEST = (
+    {label: [Shown(kind, *one)] for label, one in ON_BLOCK.items()} for kind in ("min", "max")
+)
+PAGES = {
+    "ring_pack": [
+        ("quantity", [("ring_pack", "rings", RINGS), ("ring_pack", "without", RINGS)]),
+    ],
+    "lubrication_template": [
+        ("quantity", [("data_sheet", "rigid", FILM), ("data_sheet", "template", FILM)]),
+    ],
+    "twin": [
+        ("quantity", [("twin", "twin_180", FRONT), ("twin", "twin_180", REAR)]),
+        ("quantity of the block", [("twin", "twin_180", LEAST), ("twin", "twin_180", LARGEST)]),
+    ],
+    "floating_pin": [
+        (
+            "quantity",
+            [
+                ("data_sheet", "rigid", TIED),
+                ("floating_pin", "floating", FLOATING),
+                ("floating_pin", "half", FLOATING),
+            ],
+        ),
+    ],
+    "flexible_twin": [
+        (
+            "quantity",
+            [("flexible_twin", "flexible_180", BOTH), ("flexible_twin", "stiff", BOTH)],
+        ),
+    ],
+    "yielding_bosses": [
+        (
+            "quantity",
+            [("yielding_bosses", label, YIELDING) for label in ("yielding", "rigid", "elastic")],
+        ),
+    ],
+}
+"""Page -> its tables: first cell of the head, and case, variant and quantities of each column."""
+
+
+@pytest.fixture
+def runs(tmp_path):
+    """Return the runs of cases by case and label, each once."""
+    done = {}
+
+    def run(case, label):
+        if (case, label) not in done:
+            template = label == "template"
+            opened = pc.open_case(case, variant=None if template else label)
+            own = TEMPLATE if template else None
+            done[case, label] = opened.run(tmp_path / f"{case}-{label}.h5", lubrication=own)
+        return done[case, label]
+
+    yield run
+    for results in done.values():
+        results.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES)
+def test_a_page_shows_the_numbers_of_its_runs(page, runs):
+    for head, columns in PAGES[page]:
+        rows = table(f"models/{page}/README.md", head)
+        computed = {row: [] for row in rows}
+        for case, label, quantities in columns:
+            assert set(quantities) <= set(rows)
+            results = runs(case, label)
+            for row in rows:
+                computed[row].append([one.value(results) for one in quantities.get(row, [])])
+        check(rows, computed)
