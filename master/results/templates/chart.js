@@ -22,7 +22,8 @@ function chart(parent, drawn, list, height = 130) {
     y: { label: null, ticks: 4, tickFormat: digits, nice: true, ...(isCarpet ? {} : ordinate(drawn, curves)) },
     color: isCarpet ? carpetColours(drawn) : undefined,
     marks: [
-      ...(isCarpet ? [carpetMark(drawn, domain)] : [...shadeMarks(drawn, phases), ...curves.map(curveMark).reverse(), ...extremeMarks(drawn)]),
+      ...(isCarpet ? [carpetMark(drawn, domain)] : shadeMarks(drawn, phases)),
+      ...(isCarpet ? [] : [...curves.map(curveMark).reverse(), ...extremeMarks(drawn)]),
       phaseLabels(phases, domain, width),
     ],
   });
