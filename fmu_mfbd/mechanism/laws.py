@@ -147,6 +147,8 @@ def subtract_law_changes(
     Eq. (D68):  dF = K (du, dchi) + C (dv, dchi'),   du = dr - t_R Z r,   dv = dv_S - t_R Z v
                 dr, dv_S with resting axes, t_R the turn of the body of the reaction
     """
+    if len(loads.law_slopes) == 0:
+        return
     elements = chain.elements
     first = len(elements.acts) - len(loads.law_slopes)
     by = np.zeros(2 * RATES)

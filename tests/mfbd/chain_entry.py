@@ -14,7 +14,8 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.mechanism.chain import Chain, Loads
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_tangent
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
-from piston_cosim.fmu_mfbd.mechanism.motion import Increments
+from piston_cosim.fmu_mfbd.mechanism.laws import add_laws
+from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
 from piston_cosim.fmu_mfbd.mechanism.solution import solve_chain
 from piston_cosim.master.fmi.block import flatten
 from piston_cosim.master.fmi.compiled import compiled
@@ -40,6 +41,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     """Write the accelerations after one iteration of Newton's method into `real`."""
     problem = problem_from(memory)
     chain, loads, now = problem.chain, problem.loads, problem.now
+    add_laws(chain, chain_motion(chain.joints, now, problem.drive), problem.drive.angle, loads)
     forces = chain_forces(chain, loads, now, problem.drive, problem.given)
     arrow = chain_tangent(chain, loads, now, forces, problem.by)
     change = solve_chain(arrow, forces.residual)

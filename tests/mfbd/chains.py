@@ -7,6 +7,7 @@ import numpy as np
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
 from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
+from piston_cosim.fmu_mfbd.force_elements.element import BODIES
 from piston_cosim.fmu_mfbd.mechanism.chain import (
     BLOCK,
     NO_MOUNTS,
@@ -17,10 +18,10 @@ from piston_cosim.fmu_mfbd.mechanism.chain import (
     Loads,
     chain_of,
 )
-from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE
+from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE, CylinderLaws, cylinder_chain
 from piston_cosim.fmu_mfbd.mechanism.solution import mode_coupling
 from piston_cosim.tests.verification.cases.tied import GAS as ON_BORE
-from piston_cosim.tests.verification.cases.tied import PISTON, SKIRT, tied_pin
+from piston_cosim.tests.verification.cases.tied import PISTON, SKIRT, tied_parts, tied_pin
 
 MECHANISM = Mechanism(0.072, 0.223, 1.2e-3, 1.7, 0.017, 72 / 223, 0.5)
 SPIN_INERTIA = 2e-4
@@ -172,6 +173,16 @@ def loads_of(chain, load, now, films):
 def tied(piston, mechanism=MECHANISM):
     """Return the engine of one cylinder with a tied pin, as the FMU has it."""
     return Engine(tied_pin(piston, mechanism, UNBALANCE), [PISTON], [SKIRT], [ON_BORE], {})
+
+
+def touching(piston):
+    """Return `tied` with a top land that touches the bore."""
+    numbers = np.array([[1e7, 0.1, 0.0, 0.03]])
+    laws = CylinderLaws(
+        *np.array([[0], [BODIES.index("piston")], [BLOCK]]), numbers[0, 3:], numbers
+    )
+    parts = tied_parts(piston, MECHANISM, UNBALANCE)._replace(laws=laws)
+    return Engine(cylinder_chain(parts), [PISTON], [SKIRT], [ON_BORE], {})
 
 
 def coupled(arrow, chain, own, by):

@@ -41,6 +41,7 @@ from .chains import (
     rigid,
     springs,
     tied,
+    touching,
 )
 from .test_crank_films import derivative
 
@@ -332,8 +333,8 @@ def test_a_chain_that_cannot_be_lists_all_faults():
 
 @pytest.mark.slow
 def test_one_compiled_kernel_serves_every_chain():
-    """Compiled code of one signature solves chains of 4 and 7 bodies as Python does."""
-    for make in (ENGINES | YIELDING).values():
+    """Compiled code of one signature solves chains of 3, 4 and 7 bodies as Python does."""
+    for make in (*(ENGINES | YIELDING).values(), lambda: touching(TWO[0])):
         built = make()
         now = motion(built)
         n = len(now.position)
