@@ -39,10 +39,10 @@ FILM, PRESSURE, MOST = 0.3, 0.12, 8.0
 NARROW = 2
 """Cells of a pressure peak at half its height up to which it does not converge: its height is that
 of the cell, not of the peak."""
-FRICTION = 12.0
-"""Relative uncertainty of friction times the number of cells of the film."""
+FRICTION = 1.0
+"""Relative uncertainty of friction over the change of its sum if every second cell is left out."""
 OIL = 4.0
-"""The same of the oil throughput."""
+"""Relative uncertainty of the oil throughput times the number of cells of the film."""
 SIDE = 0.8
 """Uncertainty of the side force over its difference from the demand of gas and inertia."""
 SLAP = 5.0
@@ -122,6 +122,9 @@ class Resolution(NamedTuple):
         Relative uncertainty of the maximum pressure [-].
     load : float
         Sum of 1/n^2 over both directions, n the cells that carry the load [-].
+    shear : float
+        Relative change of the sum of film fraction over thickness if every second cell is left out,
+        around and along, of the recorded instants [-].
     cells : int
         Number of cells.
     length : float
@@ -134,6 +137,7 @@ class Resolution(NamedTuple):
     film: float
     pressure: float
     load: float
+    shear: float
     cells: int
     length: float
     narrow: bool
@@ -164,6 +168,7 @@ def resolution(results: Results, film: str) -> Resolution | None:
         FILM * float(bend) * thickness,
         PRESSURE * float(min(steep, MOST)),  # Eq. (X49)
         carrying(pressure),
+        thinned(sheared(results, film, gap)),
         pressure[0].size,
         to_si(given["skirt_length"], "m"),
         min(peak_width(pressure[instant], cell)) <= NARROW,
@@ -181,6 +186,25 @@ def neighbours(field: np.ndarray, index: tuple[Any, ...]) -> Iterator[list[float
     for pair in cells:
         if values := [float(field[cell]) for cell in pair if np.isfinite(field[cell])]:
             yield values
+
+
+def sheared(results: Results, film: str, gap: np.ndarray) -> np.ndarray:
+    """Return film fraction over thickness, 0 without film; the fraction is 1 if not recorded."""
+    port = f"{film}.film_fraction"
+    fraction = results.dataset(port)[:] if port in results.recorded else np.ones_like(gap)
+    return np.clip(fraction, 0.0, 1.0) / gap
+
+
+def thinned(field: np.ndarray) -> float:
+    """Return the relative change of the sum of a field if every second cell is left out.
+
+    It is the sum over both directions of the mean change over the instants.
+    """
+    whole = field.mean(axis=(1, 2))
+    change = sum(
+        np.abs(half.mean(axis=(1, 2)) - whole).sum() for half in (field[:, ::2], field[:, :, ::2])
+    )
+    return float(change / whole.sum()) if whole.sum() > 0.0 else 0.0
 
 
 def carrying(pressure: np.ndarray) -> float:
@@ -202,8 +226,8 @@ Rule = Callable[[float, Resolution], float]
 GRID: dict[str, Rule] = {
     "minimum_film_thickness_m": lambda value, film: film.film,
     "maximum_pressure_pa": lambda value, film: value * film.pressure,
-    "mean_friction_power_w": lambda value, film: value * FRICTION / film.cells,
-    "friction_mean_effective_pressure_pa": lambda value, film: value * FRICTION / film.cells,
+    "mean_friction_power_w": lambda value, film: value * FRICTION * film.shear,
+    "friction_mean_effective_pressure_pa": lambda value, film: value * FRICTION * film.shear,
     "contact_share": lambda value, film: value * 3.0 * film.film / film.thickness,
     "contact_area": lambda value, film: value * 3.0 * film.film / film.thickness,
     "oil_throughput_m3": lambda value, film: value * OIL / film.cells,

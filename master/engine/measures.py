@@ -36,8 +36,10 @@ from .uncertainty import (
     CAUSES,
     DISPLAYED,
     DIVERGES,
+    LUCK,
     UNKNOWN,
     Uncertainty,
+    at_least,
     combined,
     entry_of,
     spread_text,
@@ -194,7 +196,11 @@ def _estimated(measure: Measure, indicator: Indicator, results: Results, films) 
     summary = results.summary or {}
     parts = indicator.parts(measure)
     entries = {cause: entry_of(cause, measure.name) for cause in CAUSES}
-    known = {cause: summary[name] for cause, name in entries.items() if name in summary}
+    known = {
+        cause: at_least(summary[name], LUCK * parts.get(cause, 0.0))
+        for cause, name in entries.items()
+        if name in summary
+    }
     parts |= known
     film = indicator.film_of(measure.owner)
     if measure.key not in GRID or measure.shown:

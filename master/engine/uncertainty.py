@@ -8,7 +8,7 @@ is missing, and the text names the largest known one.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import floor, hypot, log10
+from math import copysign, floor, hypot, log10
 
 from ..results.pictures import handy_unit, scaled
 
@@ -47,6 +47,9 @@ class Uncertainty:
 
 
 UNKNOWN = Uncertainty()
+LUCK = 1.0 / 3.0
+"""Smallest part of `run --uncertainty` over the estimate of the run alone, which is right within a
+factor of about 3: a difference of two runs may vanish by chance."""
 CAUSES = ("grid", "step", "modes", "period")
 
 
@@ -61,6 +64,11 @@ def combined(parts: Mapping[str, float], signed: bool = False) -> Uncertainty:
         return UNKNOWN
     largest = max(parts, key=lambda cause: abs(parts[cause]))
     return Uncertainty(hypot(*parts.values()), largest, "", dict(parts), signed)  # Eq. (X47)
+
+
+def at_least(value: float, size: float) -> float:
+    """Return a value with its sign and at least a size."""
+    return copysign(max(abs(value), size), value)
 
 
 def display_unit(unit: str, largest: float) -> tuple[float, str]:

@@ -20,7 +20,7 @@ from ..case.system import open_system
 from ..engine.measures import Measures, measures
 from ..engine.uncertainty import entry_of
 from ..fmi.errors import BadInput, Stopped
-from ..fmi.quantities import quantity
+from ..fmi.quantities import are_compatible, quantity
 from ..results.file import Results
 from ..results.recorded import add_to_summary
 from .run import run
@@ -163,8 +163,18 @@ def continued(tree, results, scratch):
         path = scratch / f"{name}.json"
         path.write_text(json.dumps({key: value.tolist() for key, value in values.items()}))
         made["participants"][name]["build"]["start"] = str(path)
-    made["time"]["stop"] = _times(case.period, max(1, periods // SHARE) + LEAD)
+    count = max(1, periods // SHARE) + lead(case.period, case.time.step)
+    made["time"]["stop"] = _times(case.period, count)
     return made
+
+
+def lead(period: str, step: str) -> float:
+    """Return the part of a period before the whole ones, a multiple of the longer macro step."""
+    whole, one = quantity(period), quantity(step)
+    if not are_compatible(whole.units, one.units):
+        return 1.0
+    steps = whole.to(one.units).magnitude / (LONGER * one.magnitude)
+    return round(LEAD * steps) / steps
 
 
 def _measured(tree, folder, output, progress):

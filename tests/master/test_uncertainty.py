@@ -15,11 +15,13 @@ from piston_cosim.master.engine.indicator import (
     of_extreme,
     of_work,
     resolution,
+    thinned,
 )
 from piston_cosim.master.engine.measures import Measure, Measures, measures
 from piston_cosim.master.engine.uncertainty import (
     DIVERGES,
     Uncertainty,
+    at_least,
     combined,
     numbers_text,
     spread_text,
@@ -65,6 +67,10 @@ def test_parts_add_as_squares_and_the_largest_is_named():
     found = combined({"grid": 3.0, "step": -4.0})
     assert (found.value, found.contributor, found.reason) == (5.0, "step", "")
     assert combined({}).value is None and combined({}).reason
+
+
+def test_a_difference_that_vanishes_by_chance_has_a_least_size():
+    assert [at_least(-0.5, 2.0), at_least(0.0, 2.0), at_least(-3.0, 2.0)] == [-2.0, 2.0, -3.0]
 
 
 def test_a_figure_that_diverges_says_so():
@@ -126,6 +132,14 @@ def test_cells_that_carry_a_uniform_load():
     pressure = np.zeros((2, 8, 4))
     pressure[1, :4, 1:3] = 1.0
     assert carrying(pressure) == pytest.approx(1 / 16 + 1 / 4)
+
+
+def test_every_second_cell_by_hand():
+    """The sum of the first column is 4 of 5, so that the mean changes by 4/2 - 5/4, of 5/4."""
+    field = np.array([[[1.0, 0.5], [3.0, 0.5]]])
+    assert thinned(field) == pytest.approx((2.0 - 1.25 + abs(0.75 - 1.25)) / 1.25)
+    assert thinned(np.zeros((1, 4, 4))) == 0.0
+    assert thinned(np.ones((3, 4, 6))) == 0.0
 
 
 def test_parts_of_step_and_period_by_hand():
@@ -201,6 +215,14 @@ def test_trees_of_further_runs():
     del tree["participants"]["ehd"]["build"]["grid"]
     with pytest.raises(BadInput, match="expected films with build.grid, got none in ehd"):
         further.coarser(tree)
+
+
+@pytest.mark.parametrize(
+    "period, step, part",
+    [("720 deg", "1 deg", 0.25), ("360 deg", "2 deg", 88 / 360), ("20 ms", "1 deg", 1.0)],
+)
+def test_the_lead_is_a_multiple_of_the_longer_step(period, step, part):
+    assert further.lead(period, step) == pytest.approx(part, rel=1e-12)
 
 
 def test_further_runs_continue_from_the_settled_state(tmp_path):
