@@ -183,8 +183,8 @@ def headline(names: tuple[str, str], rows: list[Difference]) -> str:
         own = [
             f"the {one.label} by {one.text.lstrip('+-')}" for one in changes if one.size * sign > 0
         ]
-        said += [f"{verb} {_listed(own)}"] if own else []
-    text = f"{first} instead of {second} {_listed(said) if said else 'makes no clear difference'}."
+        said += [f"{verb} {listed(own)}"] if own else []
+    text = f"{first} instead of {second} {listed(said) if said else 'makes no clear difference'}."
     if same and changes:
         text += f" {len(same)} of {len(rows)} figures are not distinguishable."
     wins = [_won(name, rows, sign) for name, sign in ((first, 1), (second, -1))]
@@ -198,7 +198,7 @@ def _won(name, rows, sign):
     return f"Better with {name}: {', '.join(own)}." if own else ""
 
 
-def _listed(texts):
+def listed(texts: Sequence[str]) -> str:
     """Return texts joined by commas, the last one by "and"."""
     *most, last = texts
     return f"{', '.join(most)} and {last}" if most else last

@@ -12,7 +12,7 @@ import numpy as np
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
 from ..results.file import Results
-from .comparison import NOT_DISTINGUISHABLE, difference, differing, grids
+from .comparison import NOT_DISTINGUISHABLE, difference, differing, grids, listed
 from .measures import NO_IMPACT, Measure, Measures, value_text, without_trace
 from .uncertainty import display_unit
 
@@ -230,21 +230,15 @@ def _sentence(labels, figures) -> str:
     if not known:
         return ""
     if len(labels) < 2 or any(one.values[1] is None for one in known):
-        said = _listed([f"the {one.name} is {one.number(0)} {one.unit}" for one in known])
+        said = listed([f"the {one.name} is {one.number(0)} {one.unit}" for one in known])
         return f"{said[0].upper()}{said[1:]}."
     changes = [_change(one) for one in known]
     grouped = [
-        f"{verb} {_listed([what for other, what in changes if other == verb])}"
+        f"{verb} {listed([what for other, what in changes if other == verb])}"
         for verb in dict.fromkeys(verb for verb, _ in changes)
     ]
     begin = labels[0] if "." in labels[0] else f"{labels[0][0].upper()}{labels[0][1:]}"
-    return f"{begin} instead of {labels[1]} {_listed(grouped)}."
-
-
-def _listed(texts) -> str:
-    """Return texts joined by commas, the last one by "and"."""
-    *most, last = texts
-    return f"{', '.join(most)} and {last}" if most else last
+    return f"{begin} instead of {labels[1]} {listed(grouped)}."
 
 
 def _change(figure) -> tuple[str, str]:
