@@ -122,7 +122,7 @@ def _input(name, done):
     """Return a varied key with its unit and its values, or their positions if they are names."""
     given = [point.row[name] for point in done]
     texts = [str(value) for value in given]
-    words = name.split(".")[-1].replace("_", " ")
+    words = _key_in_words(name)
     known = [one for value in given if (one := _quantity(value)) is not None]
     first = known[0].units if known else None
     if len(known) < len(given) or not all(are_compatible(one.units, first) for one in known):
@@ -134,6 +134,12 @@ def _input(name, done):
     shown = [f"{value:g}" for value in values]
     label = labelled(words, unit_shown(unit, unit))
     return {"name": label, "values": values, "texts": shown, "named": False}
+
+
+def _key_in_words(name):
+    """Return the last part of a key in words; of a file with what it contains."""
+    parts = [part for part in name.split(".") if not part.isdecimal()]
+    return " ".join(parts[-2 if parts[-1] == "file" else -1 :]).replace("_", " ")
 
 
 def _quantity(value) -> Any | None:

@@ -285,6 +285,21 @@ def test_names_are_curves_points_or_cells(browser, tmp_path, axes, drawn):
     assert found == 3 and browser.said() == []
 
 
+@pytest.mark.parametrize(
+    "key, words",
+    [
+        ("participants.bodies.build.piston.profiles.0.file", "profiles file"),
+        ("participants.bodies.build.gas.file", "gas file"),
+        ("participants.bodies.parameters.crank_speed", "crank speed"),
+        ("file", "file"),
+    ],
+)
+def test_a_varied_file_is_named_by_what_it_contains(browser, tmp_path, key, words):
+    points = [SweptPoint({key: "a.csv", ENTRIES[0]: k, "status": "done"}, "") for k in (1, 2)]
+    opened(browser, points, [key], tmp_path)
+    assert browser.run("return inputs.map(input => input.name);") == [words]
+
+
 def test_the_worst_check_of_a_run_has_its_names():
     fine, warned, failed = (
         [Verdict(colour, what, "") for what in names]
