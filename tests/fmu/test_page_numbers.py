@@ -11,7 +11,7 @@ import pytest
 
 import piston_cosim as pc
 
-from ..shown import ROOT, check, table
+from ..shown import ROOT, check, table, written
 
 TEMPLATE = f"{ROOT}/models/lubrication_template/axial_film.py:AxialFilm"
 
@@ -22,7 +22,7 @@ UNITS = {"um": 1e-6, "MPa": 1e6, "kN": 1e3, "mJ": 1e-3, "deg": np.pi / 180.0}
 class Shown(NamedTuple):
     """Quantity of a run: kind min, max, abs, mean or sum, an output, and the unit of the page.
 
-    A sum is that of the means of several outputs.
+    A sum is that of the means of several outputs. The kind "summary" is an entry of the summary.
     """
 
     kind: str
@@ -31,8 +31,8 @@ class Shown(NamedTuple):
 
     def value(self, results):
         """Return the value over the whole run; a mean has the lengths of the steps as weights."""
-        if self.outputs == "iterations":
-            return results.summary["mean_iterations"]
+        if self.kind == "summary":
+            return results.summary[self.outputs]
         whole = results.whole
         series = [whole.series(port).values for port in self.outputs.split()]
         if self.kind in ("mean", "sum"):
@@ -98,7 +98,7 @@ RINGS = {
         Shown("mean", "ehd.friction_power"),
         Shown("mean", "rings.friction_power"),
     ],
-    "iterations per step": [Shown("mean", "iterations")],
+    "iterations per step": [Shown("summary", "mean_iterations")],
 }
 TIED = {
     "lateral displacement": SIDEWAYS,
@@ -109,7 +109,7 @@ FILM = {
     "minimum film thickness": [Shown("min", "ehd.minimum_film_thickness", "um")],
     "maximum pressure": [Shown("max", "ehd.maximum_pressure", "MPa")],
     "maximum side force": SIDE_FORCE,
-    "mean iterations per step": [Shown("mean", "iterations")],
+    "mean iterations per step": [Shown("summary", "mean_iterations")],
 }
 FRONT, REAR = ({label: [of_cylinder(label, end)] for label in CYLINDER} for end in ENDS)
 BOTH = {label: [of_cylinder(label, end) for end in ENDS] for label in CYLINDER}
@@ -157,6 +157,17 @@ PAGES = {
 }
 """Page -> its tables: first cell of the head, and case, variant and quantities of each column."""
 
+ITERATIONS = [Shown("summary", "mean_iterations"), Shown("summary", "max_iterations")]
+STEPS = r"needs ([\d.]+) iterations per step"
+TEXTS = {
+    "twin": [(rf"{STEPS} and at most (\d+)", "twin", "twin_180", ITERATIONS)],
+    "flexible_twin": [
+        (rf"{STEPS}, at most (\d+)", "flexible_twin", "flexible_180", ITERATIONS),
+        (r"stiff block needs ([\d.]+)\.", "flexible_twin", "stiff", ITERATIONS[:1]),
+    ],
+}
+"""Page -> pattern of its text, case, variant and the numbers of the groups."""
+
 
 @pytest.fixture
 def runs(tmp_path):
@@ -188,3 +199,7 @@ def test_a_page_shows_the_numbers_of_its_runs(page, runs):
             for row in rows:
                 computed[row].append([one.value(results) for one in quantities.get(row, [])])
         check(rows, computed)
+    text = (ROOT / f"models/{page}/README.md").read_text()
+    for pattern, case, label, quantities in TEXTS.get(page, []):
+        values = [one.value(runs(case, label)) for one in quantities]
+        check({pattern: [[*written(pattern, text)]]}, {pattern: [values]})
