@@ -184,6 +184,7 @@ NOTES = (
     "S = mu N D L/W (R/C)^2 with N in revolutions per second; x, y: y points against the load,",
     "x 90 deg clockwise from y; the journal rotates counter-clockwise, and angles follow it.",
     "The number after +- is the uncertainty by the grid. The oil has one temperature.",
+    "Surfaces without roughness_rms never touch.",
 )
 
 

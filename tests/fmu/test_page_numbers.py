@@ -15,7 +15,7 @@ from ..shown import ROOT, check, table, written
 
 TEMPLATE = f"{ROOT}/models/lubrication_template/axial_film.py:AxialFilm"
 
-UNITS = {"um": 1e-6, "MPa": 1e6, "kN": 1e3, "mJ": 1e-3, "deg": np.pi / 180.0}
+UNITS = {"um": 1e-6, "MPa": 1e6, "kN": 1e3, "mJ": 1e-3, "deg": np.pi / 180.0, "%": 0.01}
 """Unit of a page -> SI; others are SI."""
 
 
@@ -30,14 +30,14 @@ class Shown(NamedTuple):
     unit: str = ""
 
     def value(self, results):
-        """Return the value over the whole run; a mean has the lengths of the steps as weights."""
+        """Return the value at the ends of all steps; a mean has their lengths as weights."""
         if self.kind == "summary":
-            return results.summary[self.outputs]
+            return results.summary[self.outputs] / UNITS.get(self.unit, 1.0)
         whole = results.whole
-        series = [whole.series(port).values for port in self.outputs.split()]
+        series = [whole.series(port).values[1:] for port in self.outputs.split()]
         if self.kind in ("mean", "sum"):
             weights = np.diff(whole.time)
-            value = sum(float(np.average(one[1:], weights=weights)) for one in series)
+            value = sum(float(np.average(one, weights=weights)) for one in series)
         elif self.kind == "abs":
             value = max(float(np.abs(one).max()) for one in series)
         else:
@@ -158,11 +158,17 @@ PAGES = {
 """Page -> its tables: first cell of the head, and case, variant and quantities of each column."""
 
 ITERATIONS = [Shown("summary", "mean_iterations"), Shown("summary", "max_iterations")]
+CREATED = Shown("summary", "energy_created_share_max", "%")
+DEFLECTED = Shown("max", "block.largest_bore_deflection", "um")
 STEPS = r"needs ([\d.]+) iterations per step"
 TEXTS = {
-    "twin": [(rf"{STEPS} and at most (\d+)", "twin", "twin_180", ITERATIONS)],
+    "twin": [
+        (rf"{STEPS} and at most (\d+)", "twin", "twin_180", ITERATIONS),
+        (r"creates at most ([\d.]+) %", "twin", "twin_180", [CREATED]),
+    ],
     "flexible_twin": [
         (rf"{STEPS}, at most (\d+)", "flexible_twin", "flexible_180", ITERATIONS),
+        (r"deflection of a bore is ([\d.]+) um", "flexible_twin", "flexible_180", [DEFLECTED]),
         (r"stiff block needs ([\d.]+)\.", "flexible_twin", "stiff", ITERATIONS[:1]),
     ],
 }
