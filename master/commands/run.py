@@ -124,14 +124,11 @@ def command(
                 label: _run(label, system, cases[label], trees[label], files[label], of_period)
                 for label, system in systems.items()
             }
-    if uncertainty:
-        from ..runs.uncertainty import state_uncertainty  # slow to import
-
-        for label, file in files.items():
-            with working(console, f"uncertainty of {label}"):
-                state_uncertainty(trees[label], path.parent, file, say)
+    added = _uncertainties(trees, path.parent, files) if uncertainty else {}
     summaries = {
-        label: one.summary | {"first_step_after_s": (one.first or STARTED) - STARTED}
+        label: one.summary
+        | added.get(label, {})
+        | {"first_step_after_s": (one.first or STARTED) - STARTED}
         for label, one in outcomes.items()
     }
     if verbose:
@@ -154,6 +151,17 @@ def command(
             tell(f"results  {shown}")
         if plots:
             draw_pictures(next(iter(cases.values())), runs, folder)
+
+
+def _uncertainties(trees, folder, files):
+    """Return the summary entries about the uncertainties of each run, which this computes."""
+    from ..runs.uncertainty import state_uncertainty  # slow to import
+
+    found = {}
+    for label, file in files.items():
+        with working(console, f"uncertainty of {label}"):
+            found[label] = state_uncertainty(trees[label], folder, file, say)
+    return found
 
 
 def _say_ahead(cases, variants, plots, only):

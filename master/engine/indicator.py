@@ -18,8 +18,9 @@ Eq. (X52):  u_modes = c s f,   s the truncation error over the film thickness; c
             because the film's conductance is the cube of its thickness, otherwise 1
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -143,8 +144,13 @@ class Resolution(NamedTuple):
     narrow: bool
 
 
-def resolution(results: Results, film: str) -> Resolution | None:
-    """Return the resolution of a film in the last period, None if its fields are not recorded."""
+def resolution(
+    results: Results, film: str, cell_of_film: tuple[int, int] | None = None
+) -> Resolution | None:
+    """Return the resolution of a film in the last period, None if its fields are not recorded.
+
+    `cell_of_film` is the cell with the thinnest film. Default: that of the recorded gap.
+    """
     given = results.case["participants"][film].get("parameters", {})
     ports = f"{film}.pressure", gap_port(results, film)
     if not {*ports} <= {*results.recorded} or "skirt_length" not in given:
@@ -155,9 +161,13 @@ def resolution(results: Results, film: str) -> Resolution | None:
     there = results.there(ports[1])
     gap = gap if there is None else np.where(there, gap, np.inf)
     low = np.unravel_index(gap.argmin(), gap.shape)
+    if cell_of_film is not None:
+        low = (gap[(slice(None), *cell_of_film)].argmin(), *cell_of_film)
     high = np.unravel_index(pressure.argmax(), pressure.shape)
     instant, *cell = high
     thickness, top = float(gap[low]), float(pressure[high])
+    if not thickness > 0.0:
+        return None
     bend = sum(max(np.mean(near) / thickness - 1.0, 0.0) for near in neighbours(gap, low))
     steep = sum(
         np.mean([min(top / max(value, 1e-9 * top) - 1.0, MOST) for value in near])
@@ -253,11 +263,19 @@ class Indicator:
     results : Results
         Of the last period.
     films : list of str
+    cells : dict of str to (int, int), optional
+        Cell with the thinnest film, by film.
     """
 
-    def __init__(self, results: Results, films: list[str]):
+    def __init__(
+        self,
+        results: Results,
+        films: list[str],
+        cells: Mapping[str, tuple[int, int]] = MappingProxyType({}),
+    ):
         self.results = results
-        self.films = {film: one for film in films if (one := resolution(results, film))}
+        known = {film: resolution(results, film, cells.get(film)) for film in films}
+        self.films = {film: one for film, one in known.items() if one}
         self.body = {film: film_body(results, film) for film in films}
         self.time = results.whole.time
         self.share = (results.summary or {}).get("truncation_error_film")

@@ -187,7 +187,12 @@ def measures(case: Case, results: Results) -> Measures:
         *_of_friction(run),
         *(one for body in bodies for one in _of_body(run, body, (films or [""])[0])),
     ]
-    indicator = Indicator(results, films)
+    cells = {
+        one.owner: one.place.index
+        for one in found
+        if one.key == "minimum_film_thickness_m" and one.place
+    }
+    indicator = Indicator(results, films, cells)
     return Measures(films, bodies, [_estimated(one, indicator, results, films) for one in found])
 
 

@@ -116,6 +116,9 @@ def test_resolution_by_hand():
     assert found.pressure == pytest.approx(0.24, rel=1e-12)
     assert (found.thickness, found.cells, found.length) == (1e-6, 30, pytest.approx(0.04))
     assert not found.narrow  # three cells have half of the maximum
+    other = resolution(film_run(gap, pressure), "ehd", (0, 1))  # 9 and 9, and 1 µm on one side
+    assert other is not None and other.thickness == 2e-6
+    assert other.film == pytest.approx(0.3 * (9.0 / 2.0 - 1.0 + (9.0 + 1.0) / 4.0 - 1.0) * 2e-6)
     # 2 + 4 x 1 MPa: (4, 1, 1) around and along, whose squares sum to 18 of 36
     assert found.load == pytest.approx(2 * 0.5**2, rel=1e-12)
 
