@@ -14,7 +14,7 @@ from math import hypot
 from pathlib import PurePath
 from typing import Any
 
-from .measures import Measure, Measures
+from .measures import LEAST_SHARE, Measure, Measures
 from .uncertainty import DIVERGES, display_unit, numbers_text
 
 SHARED = 0.2
@@ -123,7 +123,7 @@ def difference(one: Measure, other: Measure, alike: bool) -> Difference:
         reasons = [each.uncertainty.reason for each in (one, other)]
         text = DIVERGES if DIVERGES in reasons else f"uncertainty unknown: {max(reasons)}"
         return Difference(*texts, text, 0.0, 0)
-    if abs(size) <= own:
+    if abs(size) <= own or (one.unit == "1" and abs(size) < LEAST_SHARE):
         return Difference(*texts, NOT_DISTINGUISHABLE, 0.0, 0)
     factor, label = display_unit(one.unit, max(abs(size), own))
     text = f"{numbers_text(factor * size, factor * own)} {label}".strip()
@@ -186,7 +186,7 @@ def headline(names: tuple[str, str], rows: list[Difference]) -> str:
         said += [f"{verb} {listed(own)}"] if own else []
     text = f"{first} instead of {second} {listed(said) if said else 'makes no clear difference'}."
     if same and changes:
-        text += f" {len(same)} of {len(rows)} figures are not distinguishable."
+        text += f" Not distinguishable: {', '.join(row.label for row in same)}."
     wins = [_won(name, rows, sign) for name, sign in ((first, 1), (second, -1))]
     begin = text[0] if "." in first else text[0].upper()  # the name of a file keeps its letters
     return " ".join(filter(None, [begin + text[1:], *wins]))

@@ -1,5 +1,7 @@
 """Comparison of two runs: differences of their cases, and those of figures that are clear."""
 
+from dataclasses import replace
+
 import pytest
 
 from piston_cosim.master.engine.comparison import (
@@ -91,5 +93,11 @@ def test_the_headline_says_what_changes_and_which_is_better():
         "prof_a.csv instead of prof_b.csv lowers the minimum film thickness by 2.0 +- 1.0 µm. "
         "Better with prof_b.csv: minimum film thickness."
     )
+    share = Measure(
+        "contact_share", "contact", 4e-5, "1", "ehd", uncertainty=combined({"grid": 1e-5})
+    )
+    tables[0].all.append(share)
+    tables[1].all.append(replace(share, value=0.0))  # both are displayed as 0.00 %
+    assert " Not distinguishable: contact." in compared(("a", "b"), trees, tables).headline
     same = compared(("a", "b"), trees, (tables[0], tables[0]))
     assert same.headline == "prof_a.csv instead of prof_b.csv makes no clear difference."
