@@ -180,7 +180,7 @@ def end_of_step(
         pin_moment=on_pin[TURN],
         torque=own.torque - on_skirt.on_slopes * upright.lever,
         pin_friction_power=rubbing_power,
-        element_power=law_power(chain, at, loads),
+        element_power=law_power(chain, at, loads) if len(chain.laws.kind) > 0 else 0.0,
         evaluations=solution.evaluations,
         tangents=solution.tangents,
         change=solution.change,
@@ -203,9 +203,10 @@ def _pin_force(of, loads, own, film_power):
             out[X] -= loads.wrench[e, X]
             out[Y] -= loads.wrench[e, Y]
             out[TURN] += loads.wrench[e, REACTION]
-        by_laws = between(of.chain, loads, piston_of(of.chain), BODY.pin)
-        out[X] += by_laws[X]
-        out[Y] += by_laws[Y]
+        if len(of.chain.laws.kind) > 0:
+            by_laws = between(of.chain, loads, piston_of(of.chain), BODY.pin)
+            out[X] += by_laws[X]
+            out[Y] += by_laws[Y]
         return out, film_power
     last, turning = piston_of(of.chain), own.motion.velocity
     out[X], out[Y] = own.joints[last, X], own.joints[last, Y]
@@ -221,7 +222,8 @@ def _on_block(chain, load, loads, on_block, by_slopes):
 
     The bore is read at Y_0(phi). F_s therefore turns the crank against the block.
     """
-    force = block_force(load, from_block(chain, loads), on_block)
+    by_laws = from_block(chain, loads) if len(chain.laws.kind) > 0 else np.zeros(2)
+    force = block_force(load, by_laws, on_block)
     x, y = force.main_bearing_force_x, force.main_bearing_force_y
     film = film_of(chain, BODY.crank)
     if film >= 0:

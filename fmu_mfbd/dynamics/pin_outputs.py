@@ -110,7 +110,9 @@ def pin_scalars(of: BodySystem, now: Motion, loads: Loads) -> PinScalars:
         _wrench_of(loads, in_big_end),
         _wrench_of(loads, in_main),
     )
-    by_laws = between(of.chain, loads, BODY.rod, BODY.pin) if floats(of.chain) else np.zeros(2)
+    by_laws = np.zeros(2)
+    if floats(of.chain) and len(of.chain.laws.kind) > 0:
+        by_laws = between(of.chain, loads, BODY.rod, BODY.pin)
     wider = _widened(of, position, in_eye)
     wider_end = _widened(of, position, in_big_end)
     wider_main = _widened(of, position, in_main)

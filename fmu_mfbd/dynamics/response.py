@@ -135,6 +135,9 @@ def response(
     on_block = own.on_block @ acceleration
     for k in range(len(on_block)):
         on_block[k] += pushed.on_block[k]  # Eq. (D20)
+    by_laws = np.zeros(2)
+    if len(chain.laws.kind) > 0:
+        by_laws = from_block_changes(chain, at, last.crank.angle, bodies)
     first = RIGID + len(skirt.piston)
     if lever != 0.0:
         slopes = skirt_slopes(of, guided, skirt_forces.pressure)
@@ -153,5 +156,5 @@ def response(
         rising,
         on_pins.film_thickness,
         on_pins.sliding_velocity,
-        block_force(change, from_block_changes(chain, at, last.crank.angle, bodies), on_block),
+        block_force(change, by_laws, on_block),
     )

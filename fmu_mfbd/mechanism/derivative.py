@@ -82,7 +82,8 @@ def chain_derivative(
     top = np.zeros((m, change.shape[2]))
     total = _total_change(at, forces.inertia.wrench, d, change)
     _subtract_load_changes(chain.elements, loads.wrench, at, d, change)
-    subtract_law_changes(chain, loads, at, d, change)
+    if len(loads.law_slopes) > 0:
+        subtract_law_changes(chain, loads, at, d, change)
     _subtract_modal_changes(chain, loads, now, by, d, changes, total)
     torque = _inward_changes(chain.joints, at, forces.joints, d, change, top)
     for j in range(len(torque)):

@@ -1,4 +1,7 @@
-"""Forces of elements that depend on the motion of two bodies, and their derivative."""
+"""Forces of elements that depend on the motion of two bodies, and their derivative.
+
+Callers skip them if a chain has none, because a call with a chain counts references to all arrays.
+"""
 
 from collections import namedtuple
 from typing import Any, NamedTuple
@@ -147,8 +150,6 @@ def subtract_law_changes(
     Eq. (D68):  dF = K (du, dchi) + C (dv, dchi'),   du = dr - t_R Z r,   dv = dv_S - t_R Z v
                 dr, dv_S with resting axes, t_R the turn of the body of the reaction
     """
-    if len(loads.law_slopes) == 0:
-        return
     elements = chain.elements
     first = len(elements.acts) - len(loads.law_slopes)
     by = np.zeros(2 * RATES)
@@ -192,8 +193,10 @@ def _relative_change(elements, at, own, d, e, j, by):
 def from_block(chain: Chain, loads: Loads) -> np.ndarray:
     """Return the sum of the forces of laws whose reaction acts on the block, (2,) [N]."""
     out = np.zeros(2)
-    for body in range(len(chain.bodies.mass) if len(chain.laws.kind) > 0 else 0):
-        out += between(chain, loads, body, BLOCK)
+    for body in range(len(chain.bodies.mass)):
+        force = between(chain, loads, body, BLOCK)
+        out[X] += force[X]
+        out[Y] += force[Y]
     return out
 
 
@@ -219,8 +222,6 @@ def from_block_changes(
     """Return the change of `from_block` with a change of the motion of all bodies, (2,) [N]."""
     out, by = np.zeros(2), np.zeros(2 * RATES)
     first = len(chain.elements.acts) - len(chain.laws.kind)
-    if len(chain.laws.kind) == 0:
-        return out
     loads = no_loads(chain)
     add_laws(chain, at, crank_angle, loads)
     shape = (len(bodies.position), RATES, 1)
@@ -264,9 +265,11 @@ def law_sizes(chain: Chain, at: ChainMotion, loads: Loads, k: int) -> np.ndarray
     e = len(chain.elements.acts) - len(loads.law_slopes) + k
     a = chain.elements.acts[e]
     x, y = point_of(chain.elements, at, e)
-    sizes = np.array([abs(x), abs(y), 1.0, abs(at.velocity[a, X]), abs(at.velocity[a, Y]), 0.0])
-    out = np.abs(loads.wrench[e, : TURN + 1])
-    for j in range(2 * RATES):
-        for i in range(len(out)):
+    sizes, out = np.zeros(2 * RATES), np.zeros(RATES)
+    sizes[X], sizes[Y], sizes[TURN] = abs(x), abs(y), 1.0
+    sizes[RATES + X], sizes[RATES + Y] = abs(at.velocity[a, X]), abs(at.velocity[a, Y])
+    for i in range(RATES):
+        out[i] = abs(loads.wrench[e, i])
+        for j in range(2 * RATES):
             out[i] += abs(loads.law_slopes[k, i, j]) * sizes[j]
     return out

@@ -144,13 +144,14 @@ def solve_motion(
     -------
     ChainSolution
     """
-    n = len(guess)
+    n, has_laws = len(guess), len(chain.laws.kind) > 0
     unknown = guess.copy()
     now = Motion(np.empty(n), np.empty(n), np.empty(n))
     _move(now, predicted, by, unknown)
     at = chain_motion(chain.joints, now, drive)
     loads = loads_at(chain, held, at, now)
-    add_laws(chain, at, drive.angle, loads)
+    if has_laws:
+        add_laws(chain, at, drive.angle, loads)
     forces = forces_at(chain, loads, at, now, given)
     slope = chain_derivative(chain, loads, now, forces, by)
     factors = factorise_chain(slope.arrow)
@@ -161,7 +162,8 @@ def solve_motion(
         if evaluation > 1:
             at = chain_motion(chain.joints, now, drive)
             loads = loads_at(chain, held, at, now)
-            add_laws(chain, at, drive.angle, loads)
+            if has_laws:
+                add_laws(chain, at, drive.angle, loads)
             forces = forces_at(chain, loads, at, now, given)
             if evaluation == 2:  # it hardly changes any more
                 noise = ROUND_OFF * _noise(chain, loads, now, forces, slope, by)
