@@ -12,7 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.engine.impacts import impacts
+from piston_cosim.master.engine.measures import measures
 from piston_cosim.master.results.file import Results
 from piston_cosim.models.numerical_example.paper import (
     CURVES,
@@ -153,13 +155,21 @@ def test_the_page_shows_every_number_of_the_run(columns):
     check(table(PAGE, "quantity"), columns)
 
 
-def test_the_front_page_shows_the_numbers_of_the_run(columns):
-    shown = {
-        "minimum film": [numbers[:1] for numbers in columns["minimum film thickness"]],
-        "maximum pressure": [numbers[:1] for numbers in columns["highest film pressure"]],
-        "position of the pressure peak": [columns["highest film pressure"][0][1:], []],
-        "mean friction power": columns["mean friction power"],
-    }
+FRONT = {
+    "minimum film": ("minimum_film_thickness_m", "ehd", 1e6),
+    "maximum pressure": ("maximum_pressure_pa", "ehd", 1e-6),
+    "mean friction power": ("mean_friction_power_w", "", 1.0),
+}
+"""Row of the front page -> key and participant of a measure, and the factor of its unit."""
+
+
+def test_the_front_page_shows_the_numbers_of_the_run(columns, flexible, rigid):
+    case = check_case(flexible.case, ROOT / "models/numerical_example")
+    both = [measures(case, results) for results in (flexible, rigid)]
+    shown = {"position of the pressure peak": [columns["highest film pressure"][0][1:], []]}
+    for row, (key, owner, factor) in FRONT.items():
+        found = [one.of(key, owner) for one in both]
+        shown[row] = [[factor * one.value, factor * one.uncertainty.value] for one in found]
     check(table("README.md", "last revolution"), shown)
 
 
