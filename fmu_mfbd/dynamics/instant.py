@@ -164,6 +164,9 @@ def end_of_step(
         loads.modal[k] -= by_gas[k]
     push = coordinate_forces(chain, loads, skirt)
     on_pin, rubbing_power = _pin_force(of, loads, own, on_pins.friction_power)
+    by_laws = 0.0
+    if len(chain.laws.kind) > 0:
+        by_laws = law_power(chain, at, loads)
     return Instant(
         end=end,
         kept=kept,
@@ -180,7 +183,7 @@ def end_of_step(
         pin_moment=on_pin[TURN],
         torque=own.torque - on_skirt.on_slopes * upright.lever,
         pin_friction_power=rubbing_power,
-        element_power=law_power(chain, at, loads) if len(chain.laws.kind) > 0 else 0.0,
+        element_power=by_laws,
         evaluations=solution.evaluations,
         tangents=solution.tangents,
         change=solution.change,
