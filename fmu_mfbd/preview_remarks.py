@@ -179,7 +179,7 @@ def messages_on_gas(table: GasTable) -> list[Message]:
     if ABSOLUTE[0] < mean < ABSOLUTE[1]:
         text = (
             f"mean gas pressure in the exhaust = {short(mean, 'Pa')}: the table seems absolute; "
-            "expected gauge pressure, about 0 there"
+            "expected gauge pressure, about 0 there; subtract about 1 bar from the second column"
         )
         out.append(Message("warning", text))
     elif abs(peak) <= FIRING and not LEAST_EXHAUST < mean < ABSOLUTE[1]:
