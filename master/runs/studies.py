@@ -59,7 +59,8 @@ def study_points(path, changes, name):
     """
     case = check_case(read_tree(path, changes), path)
     if name not in case.studies:
-        raise BadInput(f"study: {unknown('study', name, case.studies)}")
+        hint = "" if case.studies else f"; add a table studies.{name}, see `keys studies`"
+        raise BadInput(f"study: {unknown('study', name, case.studies)}{hint}")
     study = case.studies[name]
     points = resolved(
         path,

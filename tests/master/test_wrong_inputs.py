@@ -221,7 +221,7 @@ SAID = {
     f"{VARY} 'rod_length=1m;2m' --vary 'rod_length=1m;2m'": "expected different keys, got part",
     f"{VARY} 'rod_length=1m;2m' --output text.h5": "--output: expected a folder, got the file",
     f"{VARY} 'radial_clearance=9um;8um' --time-limit 5": "a quantity in s, got '5'; write for",
-    "study data_sheet grid": "study: expected no study, got 'grid'",
+    "study data_sheet grid": "got 'grid'; add a table studies.grid, see `keys studies`",
     "reduce numerical_example --set piston.modes=-3": "from 0 to 200 or an error of 0.01 % to",
     "reduce numerical_example --set 'piston.young=75 MPa'": "of at least 1e+08 Pa, got '75 MPa'",
     "reduce numerical_example --set piston.density=2.7": "write for example '2.7 kg/m^3'",
