@@ -50,6 +50,15 @@ def test_a_difference_below_its_uncertainty_is_not_distinguishable():
     assert (same.text, same.size, same.better) == (NOT_DISTINGUISHABLE, 0.0, 0)
 
 
+def test_more_friction_is_worse_and_more_motion_is_neither():
+    def figure(key, value):
+        return Measure(key, key, value, "W", uncertainty=combined({"grid": 0.1}))
+
+    for key, better in (("mean_friction_power_w", -1), ("range_lateral_displacement_m", 0)):
+        assert difference(figure(key, 2.0), figure(key, 1.0), True).better == better
+        assert difference(figure(key, 1.0), figure(key, 2.0), True).better == -better
+
+
 def test_a_figure_without_an_uncertainty_has_no_difference():
     def pressure(reason):
         unknown = Uncertainty(None, "", reason)
