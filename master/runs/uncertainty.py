@@ -37,6 +37,8 @@ and exceeds that of an order of 2 with the safety 3."""
 SHARE, LEAD = 3, 0.25
 """Periods of the run for each whole period of a further one, and the part of a period before these.
 The film starts full, and the lead forgets it."""
+Trees = Callable[[], list[dict[str, Any]]]
+"""Function that returns the trees of further runs."""
 START = ("crank_angle", "rotation_speed", "lateral_displacement", "rocking_angle")
 """Outputs of bodies that a start needs, with the velocities of the last two."""
 
@@ -74,20 +76,32 @@ def state_uncertainty(
     entries: dict[str, float | str] = {}
     with Results(output) as results, tempfile.TemporaryDirectory() as scratch:
         own = measures(check_case(results.case, folder), results)
-        base = continued(tree, results, Path(scratch))
-        try:
-            second = coarser(base)
-            both = [second] if _periods(results) >= SHARE else []
-            found = [
-                _measured(one, folder, Path(scratch) / f"{k}.h5", progress)
-                for k, one in enumerate([*both, longer(second)])
-            ]
-        except (BadInput, Stopped) as why:
-            entries["uncertainty_reason"] = str(why).splitlines()[0]
-        else:
-            entries |= differences(own, *found)
+        for trees in attempts(tree, results, Path(scratch)):
+            try:
+                found = [
+                    _measured(one, folder, Path(scratch) / f"{k}.h5", progress)
+                    for k, one in enumerate(trees())
+                ]
+            except (BadInput, Stopped) as why:
+                entries = {"uncertainty_reason": str(why).splitlines()[0]}
+            else:
+                entries = {**differences(own, *found)}
+                break
     add_to_summary(output, entries)
     return entries
+
+
+def attempts(tree: dict[str, Any], results: Results, scratch: Path) -> list[Trees]:
+    """Return functions that return the trees of further runs, each for use if those before fail.
+
+    A start does not fit other modes, so that flexible bodies begin again as their case does.
+    """
+    base = continued(tree, results, scratch)
+    whole: Trees = lambda: [longer(coarser(tree))]  # noqa: E731
+    if base is tree:
+        return [whole]
+    both = [coarser] if _periods(results) >= SHARE else []
+    return [lambda: [*(make(base) for make in both), longer(coarser(base))], whole]
 
 
 def differences(own: Measures, *others: Measures) -> dict[str, float]:

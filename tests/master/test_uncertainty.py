@@ -240,5 +240,10 @@ def test_further_runs_continue_from_the_settled_state(tmp_path):
     start = json.loads((tmp_path / "bodies.json").read_text())
     assert start == {name: float(k) for k, name in enumerate(names)}
     assert made["participants"]["bodies"]["build"]["start"] == str(tmp_path / "bodies.json")
+    first, second = further.attempts(tree, run, tmp_path)
+    steps = [[one["time"]["step"] for one in trees()] for trees in (first, second)]
+    assert steps == [["1 deg", "2 deg"], ["2 deg"]]
+    assert "start" not in second()[0]["participants"]["bodies"]["build"]
     run.summary = {"periods": 1}
     assert further.continued(tree, run, tmp_path) is tree
+    assert len(further.attempts(tree, run, tmp_path)) == 1
