@@ -10,7 +10,6 @@ from cyclopts import Parameter
 from ..case.checked import check_case
 from ..case.reading import find_case, read_tree
 from ..engine.measures import directions
-from ..engine.verdicts import RANK, WORDS, verdicts
 from ..fmi.errors import BadInput, for_all
 from ..fmi.quantities import duration
 from ..runs import sweep as sweeps
@@ -152,25 +151,14 @@ def _page(path, points, rows, axes, wanted, table, reports):
         file = folder / "runs" / f"{point.name}.h5"
         page = folder / "reports" / point.name / "report.html"
         is_missing = reports and not page.is_file()
-        if row["status"] == "done" and file.is_file() and (is_missing or "worst_check" not in row):
+        if row["status"] == "done" and file.is_file() and is_missing:
             with Results(file) as results:
                 case, runs = check_case(results.case, file), {point.name: results}
-                row = {"worst_check": worst_check(verdicts(case, results))} | row
-                if is_missing:
-                    page_of(case, runs, page.parent, source=str(path))
+                page_of(case, runs, page.parent, source=str(path))
         link = page.relative_to(folder).as_posix() if page.is_file() else ""
         swept.append(SweptPoint(row, link))
     varied = [axis.name for axis in axes]
     return write_sweep_page(swept, varied, wanted, table.with_suffix(".html"))
-
-
-def worst_check(checks) -> str:
-    """Return the worst outcome of checks and the names of those that have it: "fail: grid"."""
-    worst = max((one.colour for one in checks), key=RANK.index, default=None)
-    if worst is None:
-        return ""
-    names = ", ".join(dict.fromkeys(one.what for one in checks if one.colour == worst))
-    return WORDS[worst] if worst == RANK[0] else f"{WORDS[worst]}: {names}"
 
 
 def _seconds(time_limit, dask):

@@ -65,8 +65,16 @@ def row_of(case, path) -> dict[str, float | str]:
         if (measure := one.table.worst(key)) and measure.uncertainty is not UNKNOWN:
             known = measure.uncertainty
             found[f"{key}_uncertainty"] = known.reason if known.value is None else known.value
-    worst = max(one.verdicts, key=lambda check: RANK.index(check.colour), default=None)
-    return found | {"worst_check": f"{worst.what}: {worst.outcome}" if worst else ""}
+    return found | {"worst_check": worst_check(one.verdicts)}
+
+
+def worst_check(checks: list[Verdict]) -> str:
+    """Return the worst outcome of checks and the names of those that have it: "fail: grid"."""
+    worst = max((one.colour for one in checks), key=RANK.index, default=None)
+    if worst is None:
+        return ""
+    names = ", ".join(dict.fromkeys(one.what for one in checks if one.colour == worst))
+    return WORDS[worst] if worst == RANK[0] else f"{WORDS[worst]}: {names}"
 
 
 def uncertainty_text(table: Measures, summary: dict) -> str:

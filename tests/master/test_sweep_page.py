@@ -5,7 +5,7 @@ import pytest
 
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
-from piston_cosim.master.commands.sweep import worst_check
+from piston_cosim.master.engine.answer import worst_check
 from piston_cosim.master.engine.measures import directions
 from piston_cosim.master.engine.verdicts import Verdict
 from piston_cosim.master.results.sweep_page import SweptPoint, write_sweep_page

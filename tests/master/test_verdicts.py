@@ -295,7 +295,7 @@ def test_a_row_of_a_sweep_by_hand(tmp_path):
         0.04
     )
     assert row["slap_energy_j_uncertainty"] == "record.fields lacks ehd.pressure"
-    assert row["worst_check"] == "pressure: warning"
+    assert row["worst_check"] == "warning: pressure"
     assert not any(isinstance(value, dict) for value in row.values())
 
 
