@@ -139,11 +139,15 @@ def _known(tree: Tree, folder: Path) -> list[list[str]]:
 
 
 def _paths(node: Tree, before: tuple[str, ...] = ()) -> Iterator[list[str]]:
-    """Yield the paths of all values of the tree that are not tables."""
+    """Yield the paths of all values of the tree that are not tables or lists of tables."""
     for key, value in node.items():
         if isinstance(value, dict):
             if before or key not in ELSEWHERE:
                 yield from _paths(value, (*before, key))
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            if before or key not in ELSEWHERE:
+                for k, entry in enumerate(value):
+                    yield from _paths(entry, (*before, key, str(k)))
         else:
             yield [*before, key]
 

@@ -70,9 +70,9 @@ def row_of(case, path) -> dict[str, float | str]:
 
 def worst_check(checks: list[Verdict]) -> str:
     """Return the worst outcome of checks and the names of those that have it: "fail: grid"."""
-    worst = max((one.colour for one in checks), key=RANK.index, default=None)
-    if worst is None:
+    if not checks:
         return ""
+    worst = RANK[max(RANK.index(one.colour) for one in checks)]
     names = ", ".join(dict.fromkeys(one.what for one in checks if one.colour == worst))
     return WORDS[worst] if worst == RANK[0] else f"{WORDS[worst]}: {names}"
 

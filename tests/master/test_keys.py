@@ -9,7 +9,7 @@ import tomllib
 import pytest
 from jsonschema import Draft202012Validator
 
-from piston_cosim.master.case.changes import whole_key
+from piston_cosim.master.case.changes import key_parts, whole_key
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.keys import case_keys, chosen_keys, json_schema
 from piston_cosim.master.case.reading import case_names, find_case, read_tree
@@ -160,3 +160,13 @@ def test_what_is_wrong_shows_before_anything_is_reduced(key, message):
 
     with pytest.raises(BadInput, match=message):
         open_system(check_case(read_tree(PATH, [(key, 3)]), PATH), FOLDER, never)
+
+
+def test_a_short_key_may_be_one_of_a_list_entry(tmp_path):
+    """A name that tables and entries of lists share is not unique."""
+    build = {"gas": {"file": "gas.csv"}, "piston": {"profiles": [{"file": "a.csv"}]}}
+    tree = {"participants": {"bodies": {"build": build}}}
+    wanted = ["participants", "bodies", "build", "piston", "profiles", "0", "file"]
+    assert key_parts(tree, "profiles.0.file", tmp_path) == wanted
+    with pytest.raises(BadInput, match="name of several keys; write .*gas.file or .*profiles.0"):
+        key_parts(tree, "file", tmp_path)
