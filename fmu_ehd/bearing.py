@@ -171,7 +171,9 @@ class Bearing:
             value, apart = getattr(self, key), self.uncertainty[key]
             for i, j in np.ndindex(2, 2):
                 lines.append(_row(f"{symbol}, {'xy'[i]}{'xy'[j]}", value[i, j], apart[i, j], unit))
-        return "\n".join([*lines, f"oil supply {self.supply}", *NOTES])
+        known = all(np.isfinite(one).all() for one in self.uncertainty.values())
+        why = [] if known else [NO_UNCERTAINTY]
+        return "\n".join([*lines, f"oil supply {self.supply}", *NOTES, *why])
 
     def plot(self) -> Any:
         """Return a matplotlib figure: the bearing with its pressure, and both along the angle."""
@@ -180,6 +182,10 @@ class Bearing:
         return picture(self)
 
 
+NO_UNCERTAINTY = (
+    "The uncertainty is unknown: on a coarser grid no position of the journal carries the load. "
+    "Try a finer grid, e.g. 240 and 48 cells."
+)
 NOTES = (
     "S = mu N D L/W (R/C)^2 with N in revolutions per second; x, y: y points against the load,",
     "x 90 deg clockwise from y; the journal rotates counter-clockwise, and angles follow it.",

@@ -7,7 +7,7 @@ from cyclopts import Parameter
 
 from ..fmi.errors import BadInput, Discard, Stopped
 from ..fmi.tree import import_part
-from .common import Changes, PictureFile, parse_changes, tell
+from .common import Changes, PictureFile, parse_changes, say, tell
 
 Quantity = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 """Number with a unit; a missing one is reported with the other faults."""
@@ -24,6 +24,7 @@ def command(
     supply: str = "flooded",
     supply_pressure: Annotated[str, Parameter(allow_leading_hyphen=True)] = "0 bar",
     groove_angle: Annotated[str, Parameter(allow_leading_hyphen=True)] = "180 deg",
+    grid: tuple[int, int] = (120, 24),
     set_: Changes = [],
     picture: PictureFile | None = None,
 ):
@@ -55,6 +56,8 @@ def command(
         Gauge pressure in the groove.
     groove_angle
         Angle from the load to the groove in the direction of rotation.
+    grid
+        Cells around and along, multiples of 120 and 24.
     set_
         Other parameter of the film, NAME=VALUE, e.g. `roughness_rms="0.3 um"`; repeatable.
     picture
@@ -63,10 +66,11 @@ def command(
     part: Any = import_part("fmu_ehd.bearing")
     given = dict(radius=radius, length=length, clearance=clearance, speed=speed, load=load, oil=oil)
     given |= dict(supply=supply, supply_pressure=supply_pressure, groove_angle=groove_angle)
-    others = dict(parse_changes(set_))
+    others = dict(parse_changes(set_)) | {"grid": grid}
     if twice := [name for name in others if name in given]:
         options = (name.replace("_", "-") for name in twice)
         raise BadInput([f"--set: expected --{name} instead, got {name}=..." for name in options])
+    say("computing on three grids; a first call also compiles for about a minute")
     try:
         result = part.bearing(**given, **others)
     except BadInput as error:
