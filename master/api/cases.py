@@ -164,7 +164,6 @@ class Case:
             If a macro step does not converge.
         """
         from ..engine.truncation import state_truncation
-        from ..runs.uncertainty import state_uncertainty
 
         output = Path(output or Path("results") / self.name / f"{self.label}.h5").absolute()
         models = {"lubrication": _model(lubrication), "bodies": _model(bodies)}
@@ -184,6 +183,8 @@ class Case:
                 log.warning("%s: %s", self.name, line)
         state_truncation(tree, self.path.parent, output, log.info)
         if uncertainty:
+            from ..runs.uncertainty import state_uncertainty  # it imports scipy
+
             state_uncertainty(tree, self.path.parent, output, log.info)
         return Results(output)
 

@@ -29,9 +29,9 @@ from ..results.charts import (
 )
 from ..results.file import Results
 from ..results.instants import crank_angle
-from ..results.pictures import scaled
 from ..results.report import FilmView, Orbit, Special
 from ..results.solids import Solid, Stand
+from ..results.words import scaled
 from .crank_drive import crank_drive
 from .friction import friction_pressures
 from .impacts import impacts

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import copysign, floor, hypot, log10
 
-from ..results.pictures import handy_unit, scaled
+from ..results.words import handy_unit, scaled
 
 DISPLAYED = {"1": (100.0, "%"), "m3": (1e9, "mm³"), "rad": (57.29577951308232, "deg")}
 """SI unit -> factor to the displayed unit, and its label."""

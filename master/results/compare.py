@@ -12,7 +12,7 @@ from ..fmi.quantities import to_si
 from ..fmi.separated import read_rows
 from .charts import MEASURED, Chart, Corridor, Curve, Section
 from .instants import CRANK_ANGLE
-from .pictures import labelled, name_of, unit_shown
+from .words import labelled, name_of, unit_shown
 
 HEADER = re.compile(r"^\s*(?P<port>\w+\.\w+)(?:\s+(?P<bound>low|high))?\s*\[(?P<unit>.+)\]\s*$")
 

@@ -25,8 +25,8 @@ from .instants import crank_angle
 from .judgement import Window, windows
 from .packing import Columns
 from .pages import write_page
-from .pictures import handy_unit, name_of, scaled
 from .solids import Solid, solids_data
+from .words import handy_unit, name_of, scaled
 
 UNITS = {"pressure": "MPa", "thickness": "um", "contact": "MPa"}
 """Units of the layers of a film."""

@@ -14,7 +14,15 @@ def test_there_are_six():
     assert len(NOTEBOOKS) == 6
 
 
-@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+LONG = ("bearing", "first_piston")
+"""Notebooks of more than 20 s, which the test of the site runs as well."""
+
+
+@pytest.mark.parametrize(
+    "notebook",
+    [pytest.param(one, marks=[pytest.mark.slow] * (one.stem in LONG)) for one in NOTEBOOKS],
+    ids=lambda path: path.stem,
+)
 def test_a_notebook_runs(notebook, tmp_path):
     cells = notebook.read_text().split("# %%")
     assert cells[0] == "" and cells[1].startswith(" [markdown]\n# # ")
