@@ -367,8 +367,7 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
     given = np.empty(n_a + 1)
     through = np.empty(n_a + 1)
     content = np.empty(n_a)
-    ahead = np.empty(n_a)
-    source = np.empty(n_a)
+    ahead, source = np.empty(n_a), np.empty(n_a)
     flow = np.empty(n_a + 1)
     flow_ahead = np.empty(n_a + 1)
     for i in range(n_c):
@@ -378,8 +377,7 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
         width = widths[i]
         area = width * cells.dy
         for j in range(n_a + 1):
-            given[j] = pace.ratio * past.passed[i, j]
-            through[j] = 0.0
+            given[j], through[j] = pace.ratio * past.passed[i, j], 0.0
         # what the implicit step lets in over a starved edge
         swept = width * travel[i, 0] * end.between[i, 0]
         supply[LOWER, i] = _entering(edges.film_fraction[LOWER], edges.limit[i, 0], step, swept)

@@ -267,8 +267,7 @@ def contact(
             if not lowest < reach:
                 continue
             step[SOUTH] = max(step[SOUTH], steps[0, i, j])
-            if j < n_a - 1:
-                step[NORTH] = max(step[NORTH], steps[0, i, j + 1])
+            step[NORTH] = max(step[NORTH], steps[0, i, min(j + 1, n_a - 1)])
             step[WEST] = max(step[WEST], steps[1, i, j])
             next_step = i if cells.mirrored and i == n_c - 1 else (i + 1) % n_c
             step[EAST] = max(step[EAST], steps[1, next_step, j])
