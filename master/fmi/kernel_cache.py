@@ -103,8 +103,8 @@ class CalleeCache(KernelCache):
 
 @cache
 def stamp(file: str) -> str:
-    """Return the digest of a source file and of all project files that it reaches by imports."""
+    """Return the digest of a file, of the files that it imports, and of these here."""
     digest = sha256()
-    for path in sorted(reached(Path(file).resolve())):
+    for path in sorted(reached(Path(file).resolve()) | reached(Path(__file__).resolve())):
         digest.update(path.read_bytes())
     return digest.hexdigest()

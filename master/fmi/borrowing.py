@@ -1,0 +1,133 @@
+"""Kernels without reference counts of what their caller lends them.
+
+numba counts a reference to each array of a tuple whenever a kernel names the tuple or a part of it,
+and again when it drops the name. The caller of a kernel keeps its arguments until the kernel
+returns. A variable that is only ever an argument, or a part of one, therefore needs no count.
+"""
+
+from importlib import import_module
+from typing import Any
+
+compiler: Any = import_module("numba.core.compiler")
+ir: Any = import_module("numba.core.ir")
+machinery: Any = import_module("numba.core.compiler_machinery")
+numba_lowering: Any = import_module("numba.core.lowering")
+typed_passes: Any = import_module("numba.core.typed_passes")
+types: Any = import_module("numba.core.types")
+
+PARTS = ("getattr", "static_getitem")
+"""Operations that take a part of a tuple."""
+
+
+class BorrowingLower(numba_lowering.Lower):
+    """Translation of numba's code to LLVM.
+
+    borrowed : names of the variables without counts.
+    """
+
+    builder: Any
+    func_ir: Any
+    loadvar: Any
+    typeof: Any
+    borrowed: frozenset[str] = frozenset()
+    counts = True
+    """Whether the instruction that is translated counts references."""
+
+    def pre_lower(self) -> None:
+        """Find the borrowed variables before the first instruction."""
+        numba_lowering.Lower.pre_lower(self)
+        if self.generator_info is None:
+            self.borrowed = self._borrowed()
+
+    def _borrowed(self) -> frozenset[str]:
+        """Return the largest set of variables that are arguments or parts of others of the set."""
+        values: dict[str, list[Any]] = {}
+        for block in self.func_ir.blocks.values():
+            for one in block.find_insts(ir.Assign):
+                values.setdefault(one.target.name, []).append(one.value)
+        names = frozenset(values)
+        while True:
+            left = frozenset(
+                name
+                for name in names
+                if all(self._is_lent(name, one, names) for one in values[name])
+            )
+            if left == names:
+                return names
+            names = left
+
+    def _is_lent(self, name: str, value: Any, names: frozenset[str]) -> bool:
+        """Return whether a value is an argument, or one of `names` or its part, as it is."""
+        if isinstance(value, ir.Arg):
+            return self.typeof("arg." + value.name) == self.typeof(name)
+        if isinstance(value, ir.Var):
+            return value.name in names and self.typeof(value.name) == self.typeof(name)
+        if not isinstance(value, ir.Expr) or value.op not in (*PARTS, "exhaust_iter"):
+            return False
+        if value.value.name not in names:
+            return False
+        whole = self.typeof(value.value.name)
+        if value.op == "exhaust_iter":  # of a tuple that is unpacked
+            return isinstance(whole, types.BaseTuple) and whole == self.typeof(name)
+        position = _position(whole, value)
+        return position is not None and whole[position] == self.typeof(name)
+
+    def lower_inst(self, inst: Any) -> None:
+        """Translate an instruction, without counts if it names or drops a borrowed variable."""
+        name = ""
+        if isinstance(inst, ir.Assign):
+            name = inst.target.name
+        elif isinstance(inst, ir.Del):
+            name = inst.value
+        self.counts = name not in self.borrowed
+        numba_lowering.Lower.lower_inst(self, inst)
+        self.counts = True
+
+    def lower_expr(self, resty: Any, expr: Any) -> Any:
+        """Translate an expression; numba itself would count the part of a tuple."""
+        if self.counts or expr.op not in PARTS:
+            return numba_lowering.Lower.lower_expr(self, resty, expr)
+        name = expr.value.name
+        return self.builder.extract_value(self.loadvar(name), _position(self.typeof(name), expr))
+
+    def incref(self, typ: Any, val: Any) -> None:
+        """Count a reference."""
+        if self.counts:
+            numba_lowering.Lower.incref(self, typ, val)
+
+    def decref(self, typ: Any, val: Any) -> None:
+        """Drop a reference."""
+        if self.counts:
+            numba_lowering.Lower.decref(self, typ, val)
+
+
+def _position(whole: Any, expr: Any) -> int | None:
+    """Return the position of the part of a tuple that an expression takes, None if it has none."""
+    if expr.op == "getattr" and isinstance(whole, types.BaseNamedTuple):
+        return whole.fields.index(expr.attr) if expr.attr in whole.fields else None
+    if expr.op == "static_getitem" and isinstance(whole, types.BaseTuple):
+        return expr.index % len(whole) if isinstance(expr.index, int) else None
+    return None
+
+
+@machinery.register_pass(mutates_CFG=True, analysis_only=False)
+class BorrowingLowering(typed_passes.NativeLowering):
+    """Pass of numba's compiler that translates a kernel to LLVM."""
+
+    _name = "borrowing_lowering"
+    lowering_class = BorrowingLower
+
+
+class BorrowingCompiler(compiler.Compiler):
+    """numba's compiler with `BorrowingLowering`."""
+
+    def define_pipelines(self) -> Any:
+        """Return numba's passes with this translation."""
+        pipelines = compiler.Compiler.define_pipelines(self)
+        for one in pipelines:
+            one.passes = [
+                (BorrowingLowering if kind is typed_passes.NativeLowering else kind, text)
+                for kind, text in one.passes
+            ]
+            one.finalize()
+        return pipelines

@@ -1,0 +1,88 @@
+"""Kernels that borrow their arguments keep and free arrays as numba's own do."""
+
+import gc
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from numba import njit
+
+from piston_cosim.master.fmi.compiled import compiled
+
+nrt: Any = import_module("numba.core.runtime._nrt_python")
+runtime: Any = import_module("numba.core.runtime.nrt").rtsys
+
+
+class Pair(NamedTuple):
+    """Two arrays that a kernel may exchange."""
+
+    a: np.ndarray
+    b: np.ndarray
+
+
+class Tree(NamedTuple):
+    """Tree of arrays, as models give to their kernels."""
+
+    pair: Pair
+    row: np.ndarray
+    parts: tuple[np.ndarray, np.ndarray]
+
+
+@compiled
+def callee(tree):
+    """Return an array of a tuple inside the argument."""
+    return tree.parts[-1]
+
+
+@compiled
+def exchanged(tree, count):
+    """Exchange two lent arrays `count` times, then replace one by an array of its own."""
+    a, b = tree.pair
+    for _ in range(count):
+        a, b = b, a
+    kept = b
+    if count > 2:
+        b = tree.row + callee(tree)
+    part = Pair(tree.row + 1.0, a).a  # outlives its tuple
+    filling = tree.row * 7.0  # would take the place of an array that was freed too early
+    pair = Pair(a, b)
+    return pair, kept, Tree(pair, tree.pair.a, (part, filling))
+
+
+def arguments():
+    """Return a tree of arrays that numba has allocated, so that it counts them."""
+    made = njit(lambda k: np.full(3, float(k)))
+    one, two, row, left, right = (made(k) for k in range(5))
+    return Tree(Pair(one, two), row, (left, right))
+
+
+@pytest.fixture
+def counted():
+    """Count numba's allocations."""
+    nrt.memsys_enable_stats()
+    yield
+    nrt.memsys_disable_stats()
+
+
+@pytest.mark.usefixtures("counted")
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 4])
+def test_arrays_live_as_long_as_they_are_used_and_no_longer(count):
+    """Values are those of Python, with and without the arguments, and at last all is free."""
+    exchanged(arguments(), count)
+    gc.collect()
+    before = runtime.get_allocation_stats()
+    for _ in range(3):
+        tree = arguments()
+        expected = exchanged.py_func(tree, count)
+        given = exchanged(tree, count)
+        del tree
+        gc.collect()
+        arguments()  # would take the place of an array that was freed too early
+        flat = [*given[0], given[1], *given[2].pair, given[2].row, *given[2].parts]
+        wanted = [*expected[0], expected[1], *expected[2].pair, expected[2].row, *expected[2].parts]
+        assert np.array_equal(flat, wanted)
+    del given, expected, flat, wanted
+    gc.collect()
+    after = runtime.get_allocation_stats()
+    assert after.alloc - before.alloc == after.free - before.free > 0
