@@ -23,7 +23,7 @@ from .floating_frame import TURN, X, Y
 from .gas_on_bore import wall_forces
 from .generalised_alpha import Motion
 from .impact import limit_memory, longest_step
-from .pin_films import held_forces, pin_films
+from .pin_films import held_forces, modal_pushes, pin_films
 from .pin_outputs import PinScalars, pin_scalars
 from .piston_motion import LATERAL, RIGID, ROCKING, Load
 from .skirt_films import AxialMotion, SkirtFilms, forces_by_film, skirt_films, together
@@ -131,7 +131,8 @@ def end_of_step(
     parts = forces_by_film(of, guided.height, skirt_forces)
     skirt = together(parts)
     load = load_of(of, skirt, others, on_modes(skirt))
-    held = held_forces(of, load, forces)
+    pushes = modal_pushes(of, forces)
+    held = held_forces(of, load, forces, pushes)
     by_gas = gas_on_modes(of, guided.height, others)
     for k in range(len(by_gas)):
         held.modal[k] += by_gas[k]
@@ -158,7 +159,7 @@ def end_of_step(
         of_skirt(of, end.position),
         of_skirt(of, end.velocity),
     )
-    on_pins = pin_films(of, forces, loads, at, end)
+    on_pins = pin_films(of, forces, pushes, loads, at, end)
     driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guided.velocity + on_pins.driven
     for k in range(len(by_gas)):
         loads.modal[k] -= by_gas[k]
@@ -191,7 +192,7 @@ def end_of_step(
         pin_film_thickness=on_pins.film_thickness,
         circumferential_velocity=on_pins.circumferential_velocity,
         pin_work_error=on_pins.work_error,
-        pin_scalars=pin_scalars(of, kept, loads),
+        pin_scalars=pin_scalars(of, kept, loads, on_pins.widening),
         linear=solution.linear,
         on_block=_on_block(chain, load, loads, own.on_block, on_skirt.on_slopes * upright.lever),
     )

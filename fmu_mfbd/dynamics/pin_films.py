@@ -15,6 +15,7 @@ from ..geometry.pin import (
     PinSurface,
     across,
     axes_of,
+    diameters,
     in_axes,
     modal_push,
     opening_of,
@@ -77,7 +78,27 @@ def forces_of(chain: Chain, load: Load) -> HeldForces:
 
 
 @compilable
-def held_forces(of: BodySystem, load: Load, forces: PinForces) -> HeldForces:
+def modal_pushes(of: BodySystem, forces: PinForces) -> np.ndarray:
+    """Return the forces of films on the modes of their shells, film by film [kg^-1/2 N]."""
+    elements = of.chain.elements
+    films, size = pins_of(of.pin_surfaces), 0
+    for e in range(films):
+        size += elements.modes[e]
+    out = np.empty(size)
+    cell, first = 0, 0
+    for e in range(films):
+        surface = pin_surface_at(of.pin_surfaces, e)
+        own = on_film(surface, forces, cell)
+        cell += len(own.pressure)
+        push = modal_push(surface, own)
+        for k in range(len(push)):
+            out[first + k] = push[k]
+        first += len(push)
+    return out
+
+
+@compilable
+def held_forces(of: BodySystem, load: Load, forces: PinForces, pushes: np.ndarray) -> HeldForces:
     """Return the forces of all elements without laws: films of pin and crank, then skirt and gas.
 
     Parameters
@@ -87,6 +108,8 @@ def held_forces(of: BodySystem, load: Load, forces: PinForces) -> HeldForces:
         On the piston, without its pin, and on the modes of piston and block.
     forces : PinForces
         Of all films of pin and crank, stacked [N].
+    pushes : ndarray
+        `modal_pushes` of them.
     """
     elements, m = of.chain.elements, of.chain.joints.tip.shape[1]
     out = forces_of(of.chain, load)
@@ -102,17 +125,22 @@ def held_forces(of: BodySystem, load: Load, forces: PinForces) -> HeldForces:
             out.force[e, way] = found.force[way]
             for k in range(elements.shapes[e]):
                 out.on_shapes[e, k, way] = found.on_shapes[k, way]
-        by_slope, push = slope_push(surface, own.pressure), modal_push(surface, own)
-        for k in range(len(push)):
-            out.modal[elements.mode[e] - m + k] += push[k]
-            out.slopes[slope + k] = by_slope[k]
+        push = pushes[slope : slope + elements.modes[e]]
+        if len(push) > 0:
+            by_slope = slope_push(surface, own.pressure)
+            for k in range(len(push)):
+                out.modal[elements.mode[e] - m + k] += push[k]
+                out.slopes[slope + k] = by_slope[k]
         slope += len(push)
     return out
 
 
 @compilable
-def _work_error(of, surface, forces, shell, loads, end, e):
-    """Return the relative power error of a film, on the grid (Eq. (G4)) and in coordinates [-]."""
+def _work_error(of, surface, forces, push, shell, loads, end, e):
+    """Return the relative power error of a film, on the grid (Eq. (G4)) and in coordinates [-].
+
+    `push` is the force on the modes of its shell.
+    """
     modal = shell_modes_of(of.chain.elements, end.position, e)
     modal_velocity = shell_modes_of(of.chain.elements, end.velocity, e)
     place = in_axes(shell.axes, shell.place)
@@ -130,7 +158,6 @@ def _work_error(of, surface, forces, shell, loads, end, e):
     shell_turns = wrench[REACTION] * shell.own_turning
     pin_turns = wrench[MOMENT] * (shell.own_turning + shell.turning)
     yields = 0.0
-    push = modal_push(surface, forces)
     for m in range(len(push)):
         yields += push[m] * modal_velocity[m]
     bends = 0.0
@@ -143,10 +170,9 @@ def _work_error(of, surface, forces, shell, loads, end, e):
 
 
 @compilable
-def gap_of(surface: PinSurface, shell: Shell, modal: np.ndarray) -> np.ndarray:
-    """Return the film thickness in a shell that deflects by modal coordinates, (c, a) [m]."""
+def gap_of(surface: PinSurface, shell: Shell, opened: np.ndarray) -> np.ndarray:
+    """Return the film thickness in a shell of which `yielded` is `opened`, (c, a) [m]."""
     gap = opening_of(surface, in_axes(shell.axes, shell.place), own_bent(shell).position)
-    opened = yielded(surface, modal)
     around, along = gap.shape
     for i in range(around):
         for j in range(along):
@@ -161,6 +187,8 @@ class PinFilmState(NamedTuple):
     ----------
     film_thickness, circumferential_velocity, work_error
         As of `Instant`.
+    widening : ndarray, shape (films, 2)
+        `diameters` of all shells [m].
     friction_power : float
         Of the films of the pin [W].
     driven : float
@@ -170,32 +198,41 @@ class PinFilmState(NamedTuple):
     film_thickness: np.ndarray
     circumferential_velocity: np.ndarray
     work_error: np.ndarray
+    widening: np.ndarray
     friction_power: float
     driven: float
 
 
 @compilable
 def pin_films(
-    of: BodySystem, forces: PinForces, loads: Loads, at: ChainMotion, end: Motion
+    of: BodySystem,
+    forces: PinForces,
+    pushes: np.ndarray,
+    loads: Loads,
+    at: ChainMotion,
+    end: Motion,
 ) -> PinFilmState:
-    """Return all films of pin and crank at an instant."""
+    """Return all films of pin and crank at an instant; `pushes` as for `held_forces`."""
     cells = len(forces.pressure)
     gaps = np.empty(cells)
     around = np.empty(cells)
     errors = np.empty(pins_of(of.pin_surfaces))
+    wider = np.zeros((len(errors), 2))
     friction_power, driven = 0.0, 0.0
-    first = 0
+    first, mode = 0, 0
     for e in range(len(errors)):
         surface = pin_surface_at(of.pin_surfaces, e)
         shell = shell_of(of.chain.elements, at, end, e)
         own = on_film(surface, forces, first)
         last = first + len(own.pressure)
-        stack(
-            gaps, first, gap_of(surface, shell, shell_modes_of(of.chain.elements, end.position, e))
-        )
+        opened = yielded(surface, shell_modes_of(of.chain.elements, end.position, e))
+        wider[e, X], wider[e, Y] = diameters(opened)
+        stack(gaps, first, gap_of(surface, shell, opened))
         for cell in range(first, last):
             around[cell] = surface.radius * shell.turning  # Eq. (H7)
-        errors[e] = _work_error(of, surface, own, shell, loads, end, e)
+        push = pushes[mode : mode + of.chain.elements.modes[e]]
+        mode += len(push)
+        errors[e] = _work_error(of, surface, own, push, shell, loads, end, e)
         if e <= EYE and floats(of.chain):
             friction_power -= shell.turning * loads.wrench[e, MOMENT]
         for body, moment in (
@@ -205,7 +242,7 @@ def pin_films(
             if body >= 0 and of.chain.joints.angle[body] < 0:
                 driven += moment * at.velocity[body, TURN]
         first = last
-    return PinFilmState(gaps, around, errors, friction_power, driven)
+    return PinFilmState(gaps, around, errors, wider, friction_power, driven)
 
 
 @compilable

@@ -5,15 +5,14 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.pin import diameters, yielded
-from ..geometry.surfaces import pin_surface_at, pins_of
+from ..geometry.surfaces import pins_of
 from ..mechanism.chain import NONE, Loads
 from ..mechanism.cylinder import BODY, EYE, PIN, film_of, floats
 from ..mechanism.laws import between
 from ..mechanism.loads import REACTION
 from .floating_frame import X, Y
 from .generalised_alpha import Motion
-from .pin_shells import play_at, shapes_of, shell_modes_of
+from .pin_shells import play_at, shapes_of
 from .system import BodySystem
 
 
@@ -78,18 +77,14 @@ def _wrench_of(loads, e):
 
 
 @compilable
-def _widened(of, position, e):
-    """Return the changes of diameter of the shell of film e, 0 without this film."""
-    if e < 0:
-        return 0.0, 0.0
-    return diameters(
-        yielded(pin_surface_at(of.pin_surfaces, e), shell_modes_of(of.chain.elements, position, e))
-    )
+def _widened(widening, e):
+    """Return the changes of diameter of the shell of film e, zeros without this film."""
+    return widening[e] if e >= 0 else np.zeros(2)
 
 
 @compilable
-def pin_scalars(of: BodySystem, now: Motion, loads: Loads) -> PinScalars:
-    """Return the scalar outputs at an instant."""
+def pin_scalars(of: BodySystem, now: Motion, loads: Loads, widening: np.ndarray) -> PinScalars:
+    """Return the scalar outputs at an instant; `widening` as of `pin_films.PinFilmState`."""
     if pins_of(of.pin_surfaces) == 0:
         return NO_PIN
     position, play = now.position, of.chain.joints.play
@@ -113,9 +108,9 @@ def pin_scalars(of: BodySystem, now: Motion, loads: Loads) -> PinScalars:
     by_laws = np.zeros(2)
     if floats(of.chain) and len(of.chain.laws.kind) > 0:
         by_laws = between(of.chain, loads, BODY.rod, BODY.pin)
-    wider = _widened(of, position, in_eye)
-    wider_end = _widened(of, position, in_big_end)
-    wider_main = _widened(of, position, in_main)
+    wider = _widened(widening, in_eye)
+    wider_end = _widened(widening, in_big_end)
+    wider_main = _widened(widening, in_main)
     crank_pin = play_at(play[BODY.rod], position)
     journal = play_at(play[BODY.crank], position)
     return PinScalars(

@@ -329,6 +329,14 @@ def on_knots(window: Window, weight: np.ndarray, force: np.ndarray) -> np.ndarra
 
 
 @compiled
+def on_bore(bore: BoreSplines, window: Window, weight: np.ndarray, knots: np.ndarray) -> np.ndarray:
+    """Return `on_rows` of a field of the bore, zeros if no shape and no mode deforms it."""
+    if len(bore.shape) == 0 and len(bore.radial.table) == 0:
+        return np.zeros((len(window.knot), knots.shape[1]))
+    return on_rows(window, weight, knots)
+
+
+@compiled
 def opening(
     skirt: Skirt,
     bore: BoreSplines,
@@ -363,7 +371,8 @@ def opening(
         [m]
     """
     inner = read(skirt.radial, 0, skirt.gap.shape[1], piston)
-    outer = on_rows(window, window.value, read(bore.radial, window.first, window.knots, block))
+    knots = read(bore.radial, window.first, window.knots, block)
+    outer = on_bore(bore, window, window.value, knots)
     return _opening(skirt, lateral, angle, inner, outer)
 
 
@@ -411,7 +420,8 @@ def sliding(
     """
     c, a = skirt.gap.shape
     inner = read(skirt.axial, 0, a, piston)
-    outer = on_rows(window, window.value, read(bore.axial, window.first, window.knots, block))
+    knots = read(bore.axial, window.first, window.knots, block)
+    outer = on_bore(bore, window, window.value, knots)
     out = np.empty((c, a))
     for i in range(c):
         arm = skirt.radius * np.sin(skirt.angle[i]) - skirt.pin_offset
@@ -441,6 +451,8 @@ def generalised(skirt: Skirt, bore: BoreSplines, window: Window, forces: NodalFo
     drag = by_rows(forces.friction)
     piston = spread(skirt.axial, 0, drag)
     subtract(piston, spread(skirt.radial, 0, push))
+    if len(bore.radial.table) == 0:
+        return FilmForces(rigid.lateral, rigid.axial, rigid.moment, piston, np.zeros(0))
     block = spread(bore.radial, window.first, on_knots(window, window.value, push))
     on_axial = on_knots(window, window.value, drag)
     subtract(block, spread(bore.axial, window.first, on_axial))
@@ -556,15 +568,15 @@ def film_now(
     sliding_velocity = sliding(skirt, bore, window, axial_velocity, turning, dq[:k], dq[k:])
     inner, inner_velocity = read_both(skirt.radial, 0, a, q[:k], dq[:k])
     surface, surface_velocity = read_both(bore.radial, window.first, window.knots, q[k:], dq[k:])
-    outer_velocity = on_rows(window, window.value, surface_velocity)
+    outer_velocity = on_bore(bore, window, window.value, surface_velocity)
     opening_rate = _opening(skirt, dx, turning, inner_velocity, outer_velocity)
     if len(bore.shape):
         for row in range(window.knots):
             for i in range(surface.shape[1]):
                 surface[row, i] += bore.shape[window.first + row, i]
-    outer = on_rows(window, window.value, surface)
+    outer = on_bore(bore, window, window.value, surface)
     thickness = _opening(skirt, x, angle, inner, outer)
-    slope = by_rows(on_rows(window, window.slope, surface))  # of the bore, under the moving skirt
+    slope = on_bore(bore, window, window.slope, surface)  # under the moving skirt
     axial_force = 0.0
     power = 0.0
     power_size = 0.0
@@ -576,9 +588,9 @@ def film_now(
         size = 0.0
         for j in range(thickness.shape[1]):
             push = forces.pressure[i, j]
-            normal = push * (opening_rate[i, j] + guided_velocity * slope[i, j])
+            normal = push * (opening_rate[i, j] + guided_velocity * slope[j, i])
             tangential = forces.friction[i, j] * sliding_velocity[i, j]
-            lifting += push * slope[i, j]
+            lifting += push * slope[j, i]
             working += normal + tangential
             size += abs(normal) + abs(tangential)
         axial_force += lifting

@@ -25,6 +25,9 @@ ODD_BOTH = 3
 ODD_X_OF_HALF = 1
 """Class of half a field, whose other class is EVEN."""
 
+LANES = 16
+"""Partial sums of a modal force. A processor computes them at the same time."""
+
 SIGNS = np.array(
     [[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]]
 )
@@ -66,10 +69,10 @@ class ModalField(NamedTuple):
 def modal_field(values: np.ndarray, kind: np.ndarray | None = None) -> ModalField:
     """Return values (angles of `grid.cell_centres`, rows, k), sorted by symmetry classes.
 
-    If kind is None, or the number of angles is odd, there is no symmetry.
+    If kind is None, the number of angles is odd, or there are no modes, there is no symmetry.
     """
     angles, rows, k = values.shape
-    if kind is None or angles % 2:
+    if kind is None or angles % 2 or k == 0:
         kind = np.zeros(k, np.int64)
         classes = 1
         image = np.arange(angles)[None]
@@ -240,6 +243,8 @@ def _fold(field, force):
 def spread(field: ModalField, first: int, force: np.ndarray) -> np.ndarray:
     """Return the modal forces of forces at the points of some rows: the transpose of `read`.
 
+    Each is the sum of `LANES` partial sums, every one over each `LANES`-th point.
+
     Parameters
     ----------
     field : ModalField
@@ -253,17 +258,26 @@ def spread(field: ModalField, first: int, force: np.ndarray) -> np.ndarray:
     ndarray, shape (k,)
         [kg^-1/2 N]
     """
+    out = np.zeros(len(field.table))
+    if len(out) == 0:
+        return out
     start = first * field.part
     count = len(force) * field.part
     sums = _fold(field, force)
-    out = np.zeros(len(field.table))
+    partial = np.empty(LANES)
+    whole = count - count % LANES
     for k in range(len(out)):
         if field.kind[k] >= field.classes:
             continue
         values = field.table[k, start : start + count]
         line = sums[field.kind[k]]
-        total = 0.0
-        for p in range(count):
-            total += line[p] * values[p]
-        out[k] = total
+        for i in range(LANES):
+            partial[i] = 0.0
+        for p in range(0, whole, LANES):
+            for i in range(LANES):
+                partial[i] += line[p + i] * values[p + i]
+        for i in range(count - whole):
+            partial[i] += line[whole + i] * values[whole + i]
+        for i in range(LANES):
+            out[k] += partial[i]
     return out
