@@ -95,8 +95,6 @@ def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
 
 # ---- memory
 
-Number = Annotated[np.ndarray, "1"]
-"""An array of one, for what changes."""
 OfFilms = Annotated[np.ndarray, "films"]
 
 
@@ -168,42 +166,42 @@ class VariablePlaces(NamedTuple):
 
 
 class NativeSetup(NamedTuple):
-    """Constant part of a memory.
+    """Constant part of a memory that only a start reads.
 
     start_given, start_angle, start_speed, start_position, start_velocity : start of the build
-    options, if there is one; evaluations, tangents : work so far.
+    options, if there is one.
     """
 
-    places: VariablePlaces
     bodies: BodySetup
     start_given: bool
     start_angle: float
     start_speed: float
     start_position: Annotated[np.ndarray, "coordinates"]
     start_velocity: Annotated[np.ndarray, "coordinates"]
-    evaluations: Number
-    tangents: Number
 
 
 class BodyMemory(NamedTuple):
     """Parts of the memory.
 
-    They are rows of `NativeSetup`, `BodyModel`, `PistonState`, that at the start, and `StepEnd`,
-    and the faults.
+    They are rows of `VariablePlaces`, `NativeSetup`, `BodyModel`, `PistonState`, that at the start,
+    and `StepEnd`, the faults, and the numbers of evaluations and tangents so far.
     """
 
+    places: np.ndarray
     given: np.ndarray
     model: np.ndarray
     state: np.ndarray
     begun: np.ndarray
     last: np.ndarray
     faults: np.ndarray
+    counts: np.ndarray
 
 
 parts_of = parts(BodyMemory)
 _, settings_from = packed(Settings)
 _, rings_from = packed(RingForce)
 _, step_inputs_from = packed(StepInputs, *FIELDS)
+_, places_from = flatten(VariablePlaces)
 _, setup_from = flatten(NativeSetup)
 put_model, model_from = flatten(BodyModel)
 put_state, state_from = flatten(PistonState)
@@ -211,15 +209,16 @@ is_state = alike(PistonState)
 put_last, last_from = flatten(StepEnd)
 length_of_model = length_of(BodyModel)
 _room_of_state = room_of(PistonState, "n, w, s, g")
-_room_of_last = room_of(StepEnd, "n, m")
+_room_of_last = room_of(StepEnd, "n, m, f")
 
 
-def lengths_of(setup: NativeSetup, model: int):
-    """Return the lengths of all parts after the first one, with that of the model."""
+def lengths_of(setup: NativeSetup, walls: WallPlaces, model: BodyModel):
+    """Return the lengths of all parts that change, for the largest model."""
     n = len(setup.start_position)
     m = max(n, len(FIXED))
-    state = _room_of_state(n, 0, 0, growths_of(setup.bodies, setup.places.walls))
-    return model, state, state, _room_of_last(m, m), ROOM
+    state = _room_of_state(n, 0, 0, growths_of(setup.bodies, walls))
+    last = _room_of_last(m, m, len(model.parts.chain.laws.kind))
+    return length_of_model(model), state, state, last, ROOM, 2
 
 
 def given(slave: Any) -> np.ndarray:
@@ -240,18 +239,17 @@ def given(slave: Any) -> np.ndarray:
     n = coordinates_of(model)
     begin, joints = options.start, model.parts.chain.joints.tip.shape[1] - RIGID
     given = NativeSetup(
-        places=_places(slave),
         bodies=setup,
         start_given=begin is not None,
         start_angle=begin.crank_angle if begin else 0.0,
         start_speed=begin.rotation_speed if begin else 0.0,
         start_position=begin.position(joints) if begin else np.zeros(n),
         start_velocity=begin.velocity(joints) if begin else np.zeros(n),
-        evaluations=np.zeros(1),
-        tangents=np.zeros(1),
     )
-    lengths = lengths_of(given, length_of_model(model))
-    return memory_of({"given": row_of(given)}, dict(zip(BodyMemory._fields[1:], lengths)))
+    places = _places(slave)
+    lengths = lengths_of(given, places.walls, model)
+    first = {"places": row_of(places), "given": row_of(given)}
+    return memory_of(first, dict(zip(BodyMemory._fields[len(first) :], lengths)))
 
 
 def _places(slave) -> VariablePlaces:
@@ -324,9 +322,8 @@ def seeds_of(real, places):
 
 
 @compiled
-def publish(real, integer, given, model, result):
+def publish(real, integer, counts, places, model, result):
     """Write the outputs and the numbers of evaluations into the variables."""
-    places = given.places
     outputs = places.outputs
     now = result.instant
     put_each(real, places.scalars, result.scalars)
@@ -350,14 +347,14 @@ def publish(real, integer, given, model, result):
         put_stacked(real, outputs.small_end_modal_velocity, eye)
     real[outputs.cylinder_pressure] = result.others.wall.chamber
     real[outputs.side_force_demand] = result.side_force_demand
-    given.evaluations[0] += now.evaluations
-    given.tangents[0] += now.tangents
-    integer[outputs.residual_evaluations] = int(given.evaluations[0])
-    integer[outputs.jacobian_evaluations] = int(given.tangents[0])
+    counts[0] += now.evaluations
+    counts[1] += now.tangents
+    integer[outputs.residual_evaluations] = int(counts[0])
+    integer[outputs.jacobian_evaluations] = int(counts[1])
 
 
 @compiled
-def solve(real, integer, memory, c, before, crank, time):
+def solve(real, integer, memory, places, model, c, before, crank, time):
     """Solve a step as `model.PistonInBore._solve`, and write its state and outputs.
 
     If the step is rejected, the fault is noted and the state stays.
@@ -367,9 +364,7 @@ def solve(real, integer, memory, c, before, crank, time):
     if not np.isfinite(crank.angle):
         refuse(faults, FAULT.no_angle, 0.0, 0.0, crank.angle, 0.0, 0.0)
         return
-    given = setup_from(parts.given)
-    model = model_from(parts.model)
-    inputs = inputs_of(real, given.places)
+    inputs = inputs_of(real, places)
     remark(faults, warning_of(model, inputs))
     surfaces = model.parts.surfaces
     warm_walls(surfaces, model.cold, model.radii, model.settings, inputs.fields)
@@ -383,7 +378,7 @@ def solve(real, integer, memory, c, before, crank, time):
     if faults[0] > 0.0:
         return
     result = result_of(model, before, step, time, now, inputs)
-    publish(real, integer, given, model, result)
+    publish(real, integer, parts.counts, places, model, result)
     put_last(parts.last, result.last)
     put_state(parts.state, result.state)
 
@@ -397,11 +392,11 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     parts = parts_of(memory)
     faults = parts.faults
     faults[0] = 0.0
-    given = setup_from(parts.given)
-    numbers_of_settings = get_each(real, given.places.settings)
-    numbers_of_settings[CHOSEN_GAS] = float(integer[given.places.gas_source])
-    numbers_of_settings[FREE] = float(integer[given.places.crank_free])
-    numbers_of_settings[SYMMETRY] = float(integer[given.places.film_symmetry])
+    given, places = setup_from(parts.given), places_from(parts.places)
+    numbers_of_settings = get_each(real, places.settings)
+    numbers_of_settings[CHOSEN_GAS] = float(integer[places.gas_source])
+    numbers_of_settings[FREE] = float(integer[places.crank_free])
+    numbers_of_settings[SYMMETRY] = float(integer[places.film_symmetry])
     p = settings_from(numbers_of_settings)
     lacks_gas = p.gas_source == GAS.table and len(given.bodies.gas.angle) == 0
     check(given.bodies.fit, p, lacks_gas, faults)
@@ -413,7 +408,7 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
         return
     if p.film_symmetry == AUTOMATIC:
         odd = np.zeros(ROOM)
-        forces = inputs_of(real, given.places).skirt
+        forces = inputs_of(real, places).skirt
         check_even(model.parts.surfaces, forces, odd)
         if odd[0] > 0.0:
             numbers_of_settings[SYMMETRY] = WHOLE
@@ -422,11 +417,11 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
         refuse(faults, FAULT.other_state, 0.0, 0.0, 0.0, 0.0, 0.0)
         return
     put_model(parts.model, model)
-    given.evaluations[0] = 0.0
-    given.tangents[0] = 0.0
+    model = model_from(parts.model)
+    parts.counts[0], parts.counts[1] = 0.0, 0.0
     position = given.start_position.copy()
     crank_angle = given.start_angle
-    speed = float(real[given.places.crank_speed])
+    speed = float(real[places.crank_speed])
     if given.start_given and p.crank_free != 0.0:
         speed = given.start_speed
     if not given.start_given:
@@ -437,7 +432,7 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     now = coefficients(0.0, p.spectral_radius)
     for _ in range(START_PASSES):
         before = at_rest(crank, position, given.start_velocity)
-        solve(real, integer, memory, now, before, crank, 0.0)
+        solve(real, integer, memory, places, model, now, before, crank, 0.0)
         state = state_from(parts.state.copy())
         keep(parts.begun, parts.state)
         if faults[0] > 0.0 or is_started(p, crank, state):
@@ -455,12 +450,11 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
         return
     step = numbers[0]
     state = state_from(parts.state.copy())
-    model = model_from(parts.model)
-    places = setup_from(parts.given).places
+    model, places = model_from(parts.model), places_from(parts.places)
     set_damping(model, settings_from(get_each(real, places.settings)))
     crank = crank_after(model, state, step, float(real[places.crank_speed]))
     c = step_coefficients(state, step, model.settings.spectral_radius)
-    solve(real, integer, memory, c, state, crank, state.time + step)
+    solve(real, integer, memory, places, model, c, state, crank, state.time + step)
 
 
 @compiled
@@ -468,10 +462,8 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     """Write the products of the seeds among the variables; `numbers` unused."""
     parts = parts_of(memory)
     parts.faults[0] = 0.0
-    given = setup_from(parts.given)
-    model = model_from(parts.model)
+    model, places = model_from(parts.model), places_from(parts.places)
     last = last_from(parts.last)
-    places = given.places
     carried = get_each(real, places.carrier_seed)
     change = response_to(model, last, seeds_of(real, places), carried)
     put_films(real, places.skirt_tangent, change.film_thickness, change.sliding_velocity)

@@ -138,7 +138,7 @@ def response(
         on_block[k] += pushed.on_block[k]  # Eq. (D20)
     by_laws = np.zeros(2)
     if len(chain.laws.kind) > 0:
-        by_laws = from_block_changes(chain, at, last.crank.angle, bodies)
+        by_laws = from_block_changes(chain.elements, own.law_slopes, at, bodies)
     first = RIGID + len(skirt.piston)
     if lever != 0.0:
         slopes = skirt_slopes(of, guided, skirt_forces.pressure)

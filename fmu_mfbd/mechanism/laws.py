@@ -14,7 +14,6 @@ from ..force_elements import FORCE_ELEMENTS
 from ..force_elements.element import PointForce, PointMotion
 from .chain import BLOCK, Chain, Elements, Loads
 from .equations import point_of
-from .loads import no_loads
 from .motion import ChainChange, ChainMotion, MotionChanges
 
 RATES = 3
@@ -217,22 +216,23 @@ def between(chain: Chain, loads: Loads, body: int, other: int) -> np.ndarray:
 
 @compilable
 def from_block_changes(
-    chain: Chain, at: ChainMotion, crank_angle: float, bodies: ChainChange
+    elements: Elements, law_slopes: np.ndarray, at: ChainMotion, bodies: ChainChange
 ) -> np.ndarray:
-    """Return the change of `from_block` with a change of the motion of all bodies, (2,) [N]."""
+    """Return the change of `from_block` with a change of the motion of all bodies, (2,) [N].
+
+    `law_slopes` are those of `Loads` in the motion `at`.
+    """
     out, by = np.zeros(2), np.zeros(2 * RATES)
-    first = len(chain.elements.acts) - len(chain.laws.kind)
-    loads = no_loads(chain)
-    add_laws(chain, at, crank_angle, loads)
+    first = len(elements.acts) - len(law_slopes)
     shape = (len(bodies.position), RATES, 1)
     d = MotionChanges(
         bodies.position.reshape(shape), bodies.velocity.reshape(shape), np.zeros(shape)
     )
-    for k in range(len(chain.laws.kind)):
-        if chain.elements.reacts[first + k] < 0:
-            own = relative_motion(chain.elements, at, first + k)
-            _relative_change(chain.elements, at, own, d, first + k, 0, by)
-            force = loads.law_slopes[k] @ by
+    for k in range(len(law_slopes)):
+        if elements.reacts[first + k] < 0:
+            own = relative_motion(elements, at, first + k)
+            _relative_change(elements, at, own, d, first + k, 0, by)
+            force = law_slopes[k] @ by
             out[X] += force[X]
             out[Y] += force[Y]
     return out

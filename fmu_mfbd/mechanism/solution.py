@@ -5,7 +5,7 @@ References
 [Deuflhard2011] P. Deuflhard, Newton Methods for Nonlinear Problems, Springer, 2011.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -65,11 +65,14 @@ class Linearisation(NamedTuple):
         Of the tangent.
     on_block : ndarray, shape (3, m + k)
         Of `ChainForces.on_block`.
+    law_slopes
+        As of `Loads`.
     """
 
     forces: ChainForces
     factors: ChainFactors
     on_block: Matrix
+    law_slopes: Annotated[np.ndarray, "f, 3, 6"]
 
 
 @compilable
@@ -79,7 +82,7 @@ def no_linearisation() -> Linearisation:
     motion = ChainMotion(table, table, table, table, table)
     inertia = InertiaForces(table, row, table, row, row, row, FIXED)
     forces = ChainForces(row, 0.0, row, table, motion, inertia)
-    return Linearisation(forces, no_chain_factors(), table)
+    return Linearisation(forces, no_chain_factors(), table, np.zeros((0, 3, 6)))
 
 
 class ChainSolution(NamedTuple):
@@ -169,7 +172,8 @@ def solve_motion(
                 noise = ROUND_OFF * _noise(chain, loads, now, forces, slope, by)
             if size <= 1e-11 * total + noise:
                 slope = chain_derivative(chain, loads, now, forces, by)
-                linear = Linearisation(forces, factorise_chain(slope.arrow), slope.on_block)
+                factors = factorise_chain(slope.arrow)
+                linear = Linearisation(forces, factors, slope.on_block, loads.law_slopes)
                 return ChainSolution(now, loads, linear, evaluation, tangents + 1, size)
         fresh = substitute_chain(factors, forces.residual)
         left = np.sqrt(squared_size(slope.arrow, fresh))
@@ -190,7 +194,7 @@ def solve_motion(
             size = np.sqrt(squared_size(slope.arrow, change))
             total = np.sqrt(squared_size(slope.arrow, unknown))
         _move(now, predicted, by, unknown)
-    linear = Linearisation(forces, factors, slope.on_block)
+    linear = Linearisation(forces, factors, slope.on_block, loads.law_slopes)
     return ChainSolution(now, loads, linear, 0, tangents, size / total)
 
 
