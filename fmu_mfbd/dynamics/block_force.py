@@ -41,19 +41,19 @@ NO_FORCE = BlockForce(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @compilable
-def block_force(load: Load, by_laws: np.ndarray, on_block: np.ndarray) -> BlockForce:
+def block_force(load: Load, from_walls: np.ndarray, on_block: np.ndarray) -> BlockForce:
     """Return the forces on the block, or their change.
 
     Eq. (D24):  main bearings:  F_b = F + F_l
     Eq. (D25):  all:  F, M of Eq. (D63)
-               F_l the load on the piston, film, gas and rings, and of laws from the block
+               F_l the load on the piston, film, gas and rings, and of laws and slopes of the bore
 
     Parameters
     ----------
     load : Load
         On the piston.
-    by_laws : ndarray, shape (2,)
-        As of `laws.from_block` [N].
+    from_walls : ndarray, shape (2,)
+        As of `laws.from_block`, and of pressure on the slopes of the bore (Eq. (H24)) [N].
     on_block : ndarray, shape (3,)
         F [N] and M [N m], as of `ChainForces`.
 
@@ -63,7 +63,7 @@ def block_force(load: Load, by_laws: np.ndarray, on_block: np.ndarray) -> BlockF
     """
     # Eqs. (D24), (D25)
     x, y = on_block[X], on_block[Y]
-    bearing_x, bearing_y = x + load.lateral + by_laws[X], y + load.axial + by_laws[Y]
+    bearing_x, bearing_y = x + load.lateral + from_walls[X], y + load.axial + from_walls[Y]
     return BlockForce(x, y, on_block[TURN], bearing_x, bearing_y)
 
 

@@ -192,9 +192,9 @@ def end_of_step(
         pin_film_thickness=on_pins.film_thickness,
         circumferential_velocity=on_pins.circumferential_velocity,
         pin_work_error=on_pins.work_error,
-        pin_scalars=pin_scalars(of, kept, loads, on_pins.widening),
+        pin_scalars=pin_scalars(of, kept, loads, on_pins.widening, on_skirt.on_slopes),
         linear=solution.linear,
-        on_block=_on_block(chain, load, loads, own.on_block, on_skirt.on_slopes * upright.lever),
+        on_block=_on_block(chain, load, loads, own.on_block, on_skirt.on_slopes, upright.lever),
     )
 
 
@@ -219,20 +219,22 @@ def _pin_force(of, loads, own, film_power):
 
 
 @compilable
-def _on_block(chain, load, loads, on_block, by_slopes):
+def _on_block(chain, load, loads, on_block, on_slopes, lever):
     """Return the forces on the block, that of a film in the main bearing to its last digit.
 
-    Eq. (D70):  M = M_z - F_s dY_0/dphi      M_z of Eq. (D25), F_s of Eq. (H24)
+    Eq. (D70):  M = M_z - F_s dY_0/dphi,   F_by += F_s      M_z of Eq. (D25), F_s of Eq. (H24)
 
-    The bore is read at Y_0(phi). F_s therefore turns the crank against the block.
+    The bore is read at Y_0(phi). F_s therefore turns the crank against the block, and all joints
+    from piston to block pass it on.
     """
-    by_laws = from_block(chain, loads) if len(chain.laws.kind) > 0 else np.zeros(2)
-    force = block_force(load, by_laws, on_block)
+    from_walls = from_block(chain, loads) if len(chain.laws.kind) > 0 else np.zeros(2)
+    from_walls[Y] += on_slopes
+    force = block_force(load, from_walls, on_block)
     x, y = force.main_bearing_force_x, force.main_bearing_force_y
     film = film_of(chain, BODY.crank)
     if film >= 0:
-        x, y = -loads.wrench[film, X], -loads.wrench[film, Y]
-    moment = force.moment_on_block - by_slopes  # Eq. (D70)
+        x, y = -loads.wrench[film, X], on_slopes - loads.wrench[film, Y]
+    moment = force.moment_on_block - on_slopes * lever  # Eq. (D70)
     return BlockForce(force.force_on_block_x, force.force_on_block_y, moment, x, y)
 
 

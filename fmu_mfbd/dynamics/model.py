@@ -445,7 +445,7 @@ class PistonInBore:
         """Return the change of outputs with a bore's deflection from outside, by output.
 
         The deflection is (n, s) [m]. At the end of the last step it changes film thickness, and the
-        moment on the block by slopes of the bore (Eq. (D70)).
+        moment on the block and the force of the main bearing by slopes of the bore (Eq. (D70)).
         """
         assert self.outside
         surfaces, last = self.film_surfaces, self._last
@@ -453,7 +453,9 @@ class PistonInBore:
         change: dict[str, Any] = by_film(self.films, "film_thickness", wider)
         if self.model.mounted:
             lever = height(self.system.mechanism, 0.0, last.crank.angle).lever
-            change["moment_on_block"] = -lever * float(self._pressure @ slopes)  # Eq. (D70)
+            pushed = float(self._pressure @ slopes)
+            change["moment_on_block"] = -lever * pushed  # Eq. (D70)
+            change["main_bearing_force_y"] = pushed
         return change
 
 

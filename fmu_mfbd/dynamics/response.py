@@ -136,14 +136,15 @@ def response(
     on_block = own.on_block @ acceleration
     for k in range(len(on_block)):
         on_block[k] += pushed.on_block[k]  # Eq. (D20)
-    by_laws = np.zeros(2)
+    from_walls = np.zeros(2)
     if len(chain.laws.kind) > 0:
-        by_laws = from_block_changes(chain.elements, own.law_slopes, at, bodies)
+        from_walls = from_block_changes(chain.elements, own.law_slopes, at, bodies)
     first = RIGID + len(skirt.piston)
     if lever != 0.0:
         slopes = skirt_slopes(of, guided, skirt_forces.pressure)
         pushed_along = slopes.undeformed + slopes.modal @ of_skirt(of, end.position)[first:]
         on_block[TURN] -= lever * pushed_along  # Eq. (D70)
+        from_walls[Y] += pushed_along
     place, speed = of_skirt(of, moved.position), of_skirt(of, moved.velocity)
     piston = Change(place[:first], speed[:first])
     bore = Change(place[first:], speed[first:])
@@ -157,5 +158,5 @@ def response(
         rising,
         on_pins.film_thickness,
         on_pins.sliding_velocity,
-        block_force(change, by_laws, on_block),
+        block_force(change, from_walls, on_block),
     )

@@ -406,12 +406,12 @@ class Reference:
         }
         on_block = -R.T @ np.concatenate([held[by_name["block_0"]], held[by_name["block_1"]]])
         vectors = {"force_on_block": on_block}
-        # pressure on a bore that is not straight pushes the piston along it, beside the pin
+        # pressure on a bore that is not straight pushes the piston, and all joints pass it on
         slope = np.array([0.0, self.system.elements["skirt"].axial_push(time, q, v)])
         if case.floats:
             vectors["pin_displacement"] = R.T @ (place("pin") - place("piston"))
             vectors["small_end_displacement"] = R.T @ (place("pin") - place("rod", TIP))
-            vectors["small_end_force"] = -on("small_end", "pin")
+            vectors["small_end_force"] = slope - on("small_end", "pin")
             vectors["pin_force"] = -on("boss_0", "pin") - on("boss_1", "pin") - slope
             if case.bends:
                 out["small_end_modal_coordinate"] = q[first["rod"] + 3 :][: self.of["rod"].size - 3]
@@ -421,10 +421,10 @@ class Reference:
         if case.crank:
             vectors["big_end_displacement"] = R.T @ (place("crank", CRANK_PIN) - place("rod"))
             vectors["main_bearing_displacement"] = R.T @ (place("crank") - place("block"))
-            vectors["big_end_force"] = -on("big_end", "crank")
-            vectors["main_bearing_force"] = -on("main_bearing", "crank")
+            vectors["big_end_force"] = -on("big_end", "crank") - slope
+            vectors["main_bearing_force"] = slope - on("main_bearing", "crank")
         else:
-            vectors["main_bearing_force"] = -multiplier("main_bearing")
+            vectors["main_bearing_force"] = slope - multiplier("main_bearing")
         for name, (x, y) in vectors.items():
             out |= {f"{name}_x": x, f"{name}_y": y}
         return out

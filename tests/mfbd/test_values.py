@@ -451,6 +451,8 @@ def test_pressure_on_a_tapered_bore_lifts(bodies):
     lever = straight["piston_velocity"] / straight["rotation_speed"]
     for name in ("crank_torque", "moment_on_block"):
         assert tapered[name] - straight[name] == near(-lift * lever, rel=1e-6), name
+    name = "main_bearing_force_y"
+    assert tapered[name] - straight[name] == near(lift, rel=1e-6)
     assert tapered["pin_force_x"] == near(straight["pin_force_x"])
 
 
