@@ -14,11 +14,10 @@ import numpy as np
 from ..geometry.pin import (
     PinForces,
     diameters,
-    modal_push,
     pin_surface,
     resultants_on,
     shell_modes,
-    slope_push,
+    shell_pushes,
     yielded,
 )
 from ..reduction.reduced_body import ReducedShell
@@ -49,7 +48,7 @@ class YieldingShell:
 
     def coordinates(self, forces: PinForces) -> np.ndarray:
         """Return the modal coordinates under nodal forces, (k,) [kg^1/2 m]."""
-        return modal_push(self.surface, forces) / self.stiffness  # Eq. (D52)
+        return shell_pushes(self.surface, forces)[0] / self.stiffness  # Eq. (D52)
 
     def deflection(self, coordinates: np.ndarray) -> np.ndarray:
         """Return the outward deflection of the bore, (c, a) [m]."""
@@ -66,6 +65,6 @@ class YieldingShell:
     def on_support(self, forces: PinForces, coordinates: np.ndarray) -> SupportLoad:
         """Return the load on the support, opposite to that on the journal (Eqs. (G3), (G5))."""
         found = resultants_on(self.surface, forces, np.zeros(2), np.eye(2))
-        moment = found.on_shell - slope_push(self.surface, forces.pressure) @ coordinates
+        moment = found.on_shell - shell_pushes(self.surface, forces)[1] @ coordinates
         x, y = found.force
         return SupportLoad(-x, -y, float(moment))

@@ -23,7 +23,7 @@ from .floating_frame import TURN, X, Y
 from .gas_on_bore import wall_forces
 from .generalised_alpha import Motion
 from .impact import limit_memory, longest_step
-from .pin_films import held_forces, modal_pushes, pin_films
+from .pin_films import film_pushes, held_forces, pin_films
 from .pin_outputs import PinScalars, pin_scalars
 from .piston_motion import LATERAL, RIGID, ROCKING, Load
 from .skirt_films import AxialMotion, SkirtFilms, forces_by_film, skirt_films, together
@@ -131,7 +131,7 @@ def end_of_step(
     parts = forces_by_film(of, guided.height, skirt_forces)
     skirt = together(parts)
     load = load_of(of, skirt, others, on_modes(skirt))
-    pushes = modal_pushes(of, forces)
+    pushes = film_pushes(of, forces)
     held = held_forces(of, load, forces, pushes)
     by_gas = gas_on_modes(of, guided.height, others)
     for k in range(len(by_gas)):

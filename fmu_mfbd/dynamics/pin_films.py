@@ -10,19 +10,17 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.pin import (
-    ModeMotion,
     PinForces,
     PinSurface,
     across,
     axes_of,
     diameters,
     in_axes,
-    modal_push,
     opening_of,
     pair,
     power_on_grid,
     resultants_on,
-    slope_push,
+    shell_pushes,
     yielded,
 )
 from ..geometry.surfaces import pin_surface_at, pins_of
@@ -78,22 +76,22 @@ def forces_of(chain: Chain, load: Load) -> HeldForces:
 
 
 @compilable
-def modal_pushes(of: BodySystem, forces: PinForces) -> np.ndarray:
-    """Return the forces of films on the modes of their shells, film by film [kg^-1/2 N]."""
+def film_pushes(of: BodySystem, forces: PinForces) -> np.ndarray:
+    """Return `shell_pushes` of all films, film by film, (2, all modes) [kg^-1/2 N]."""
     elements = of.chain.elements
     films, size = pins_of(of.pin_surfaces), 0
     for e in range(films):
         size += elements.modes[e]
-    out = np.empty(size)
+    out = np.empty((2, size))
     cell, first = 0, 0
     for e in range(films):
         surface = pin_surface_at(of.pin_surfaces, e)
         own = on_film(surface, forces, cell)
         cell += len(own.pressure)
-        push = modal_push(surface, own)
-        for k in range(len(push)):
-            out[first + k] = push[k]
-        first += len(push)
+        push = shell_pushes(surface, own)
+        for k in range(push.shape[1]):
+            out[0, first + k], out[1, first + k] = push[0, k], push[1, k]
+        first += push.shape[1]
     return out
 
 
@@ -109,7 +107,7 @@ def held_forces(of: BodySystem, load: Load, forces: PinForces, pushes: np.ndarra
     forces : PinForces
         Of all films of pin and crank, stacked [N].
     pushes : ndarray
-        `modal_pushes` of them.
+        `film_pushes` of them.
     """
     elements, m = of.chain.elements, of.chain.joints.tip.shape[1]
     out = forces_of(of.chain, load)
@@ -125,23 +123,19 @@ def held_forces(of: BodySystem, load: Load, forces: PinForces, pushes: np.ndarra
             out.force[e, way] = found.force[way]
             for k in range(elements.shapes[e]):
                 out.on_shapes[e, k, way] = found.on_shapes[k, way]
-        push = pushes[slope : slope + elements.modes[e]]
-        if len(push) > 0:
-            by_slope = slope_push(surface, own.pressure)
-            for k in range(len(push)):
-                out.modal[elements.mode[e] - m + k] += push[k]
-                out.slopes[slope + k] = by_slope[k]
-        slope += len(push)
+        for k in range(elements.modes[e]):
+            out.modal[elements.mode[e] - m + k] += pushes[0, slope]
+            out.slopes[slope] = pushes[1, slope]
+            slope += 1
     return out
 
 
 @compilable
-def _work_error(of, surface, forces, push, shell, loads, end, e):
+def _work_error(of, surface, forces, push, opened, shell, loads, end, e):
     """Return the relative power error of a film, on the grid (Eq. (G4)) and in coordinates [-].
 
-    `push` is the force on the modes of its shell.
+    `push` is the force on the modes of its shell, which is `opened`.
     """
-    modal = shell_modes_of(of.chain.elements, end.position, e)
     modal_velocity = shell_modes_of(of.chain.elements, end.velocity, e)
     place = in_axes(shell.axes, shell.place)
     on_grid = power_on_grid(
@@ -150,7 +144,8 @@ def _work_error(of, surface, forces, push, shell, loads, end, e):
         place,
         own_velocity(shell),
         shell.turning,
-        ModeMotion(modal, modal_velocity),
+        opened,
+        modal_velocity,
         own_bent(shell),
     )
     wrench = loads.wrench[e]
@@ -230,9 +225,9 @@ def pin_films(
         stack(gaps, first, gap_of(surface, shell, opened))
         for cell in range(first, last):
             around[cell] = surface.radius * shell.turning  # Eq. (H7)
-        push = pushes[mode : mode + of.chain.elements.modes[e]]
+        push = pushes[0][mode : mode + of.chain.elements.modes[e]]
         mode += len(push)
-        errors[e] = _work_error(of, surface, own, push, shell, loads, end, e)
+        errors[e] = _work_error(of, surface, own, push, opened, shell, loads, end, e)
         if e <= EYE and floats(of.chain):
             friction_power -= shell.turning * loads.wrench[e, MOMENT]
         for body, moment in (

@@ -19,7 +19,7 @@ from .carrier import Carrier
 from .floating_frame import TURN, Y
 from .generalised_alpha import Coefficients, Motion
 from .instant import of_skirt, on_modes
-from .pin_films import held_forces, modal_pushes, pin_changes
+from .pin_films import film_pushes, held_forces, pin_changes
 from .piston_motion import LATERAL, RIGID, ROCKING, Load
 from .skirt_films import Change, forces_by_film, skirt_changes, skirt_slopes, together
 from .slider_crank import CrankMotion
@@ -121,7 +121,7 @@ def response(
     change = load_change(of, skirt, rings, on_modes(skirt), carrier)
     at, block = own.forces.motion, own.forces.inertia.carrier
     by = reach_of(last.coefficients, of.kinds)
-    held = held_forces(of, change, forces, modal_pushes(of, forces))
+    held = held_forces(of, change, forces, film_pushes(of, forces))
     loads = loads_at(chain, held, at, end)
     pushed = pushed_forces(chain, own.forces, end, loads, carrier)
     # Eq. (D23)

@@ -9,8 +9,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable
-from .film import subtract
+from ...master.fmi.compiled import compilable, compiled
 
 PIN_SURFACES = ("boss_left", "boss_right", "small_end")
 """Film surfaces of a floating pin: bosses, then the rod's eye."""
@@ -26,13 +25,10 @@ class ShellModes(NamedTuple):
     ----------
     outward, onward : ndarray, shape (cells, k)
         Displacement along e and t at the grid's points, j fastest [kg^-1/2].
-    slope : ndarray, shape (cells, k)
-        d outward/da, by central differences around [kg^-1/2].
     """
 
     outward: Annotated[np.ndarray, "cells, k"]
     onward: Annotated[np.ndarray, "cells, k"]
-    slope: Annotated[np.ndarray, "cells, k"]
 
 
 class ModeMotion(NamedTuple):
@@ -120,9 +116,7 @@ def shell_angles(around: int) -> np.ndarray:
 def shell_modes(outward: np.ndarray, onward: np.ndarray) -> ShellModes:
     """Return the modes of a shell from their values on its grid, (c, a, k)."""
     around, along, k = outward.shape
-    step = 2 * np.pi / around
-    slope = (np.roll(outward, -1, axis=0) - np.roll(outward, 1, axis=0)) / (2 * step)
-    flat = (one.reshape(around * along, k) for one in (outward, onward, slope))
+    flat = (one.reshape(around * along, k) for one in (outward, onward))
     return ShellModes(*(np.ascontiguousarray(one) for one in flat))
 
 
@@ -143,7 +137,7 @@ def pin_surface(
     outward = np.array([np.cos(angle), np.sin(angle)])
     onward = np.array([-np.sin(angle), np.cos(angle)])
     if modes is None:
-        modes = ShellModes(*[np.zeros((around * along, 0))] * 3)
+        modes = ShellModes(*[np.zeros((around * along, 0))] * 2)
     if axis is None:
         axis = np.zeros((along, 0))
     by_row = np.broadcast_to(np.asarray(clearance, dtype=float), along).copy()
@@ -284,33 +278,55 @@ def on_cells(surface: PinSurface, table: np.ndarray, modal: np.ndarray) -> np.nd
 
 
 @compilable
-def modal_push(surface: PinSurface, forces: PinForces) -> np.ndarray:
-    """Return the forces of a film on its shell's modes by virtual work, (k,) [kg^-1/2 N].
+def around_slope(field: np.ndarray) -> np.ndarray:
+    """Return d/da of a field on the grid by central differences around, (c, a)."""
+    around, along = field.shape
+    out = np.empty((around, along))
+    factor = around / (4 * np.pi)
+    for i in range(around):
+        after = (i + 1) % around
+        for j in range(along):
+            out[i, j] = (field[after, j] - field[i - 1, j]) * factor
+    return out
 
-    Eq. (G6):  Q_k = sum p Phi_ek - sum f Phi_tk
-    """
-    cells, k = surface.modes.outward.shape
-    if k == 0:
-        return np.zeros(0)
-    # Eq. (G6)
-    push = forces.pressure.reshape(cells) @ surface.modes.outward
-    subtract(push, forces.circumferential.reshape(cells) @ surface.modes.onward)
-    return push
+
+@compiled
+def add_shell_pushes(
+    modes: ShellModes,
+    pressure: np.ndarray,
+    turned: np.ndarray,
+    drag: np.ndarray,
+    push: np.ndarray,
+    slopes: np.ndarray,
+) -> None:
+    """Add `shell_pushes` of forces in all cells, (cells,); `turned` is the slope of pressure."""
+    for cell in range(len(pressure)):
+        p, t, f = pressure[cell], turned[cell], drag[cell]
+        outward, onward = modes.outward[cell], modes.onward[cell]
+        for k in range(len(push)):
+            push[k] += p * outward[k] - f * onward[k]  # Eq. (G6)
+            slopes[k] -= t * outward[k]  # Eq. (G5), summed by parts
 
 
 @compilable
-def slope_push(surface: PinSurface, pressure: np.ndarray) -> np.ndarray:
-    """Return the moment of pressure on the pin about +z per modal coordinate, (k,) [kg^-1/2 N].
+def shell_pushes(surface: PinSurface, forces: PinForces) -> np.ndarray:
+    """Return the forces of a film on its shell's modes and moments by them, (2, k) [kg^-1/2 N].
 
+    Eq. (G6):  Q_k = sum p Phi_ek - sum f Phi_tk      by virtual work
     Eq. (G5):  M_pin = .. + sum p du_e/da,   M_shell = .. - sum p du_e/da
 
     Pressure is normal to the deformed shell and therefore has a moment about its axis. The rest of
-    the film's balance about this axis acts on the pin, as in Eq. (G3).
+    the film's balance about this axis acts on the pin, as in Eq. (G3). The second row has that of
+    the pin per modal coordinate.
     """
-    cells, k = surface.modes.slope.shape
-    if k == 0:
-        return np.zeros(0)
-    return pressure.reshape(cells) @ surface.modes.slope  # Eq. (G5)
+    cells, k = surface.modes.outward.shape
+    out = np.zeros((2, k))
+    if k > 0:
+        shape = (surface.outward.shape[1], len(surface.clearance))
+        pressure, drag = forces.pressure.reshape(cells), forces.circumferential.reshape(cells)
+        turned = around_slope(forces.pressure.reshape(shape)).reshape(cells)
+        add_shell_pushes(surface.modes, pressure, turned, drag, out[0], out[1])
+    return out
 
 
 @compilable
@@ -377,7 +393,8 @@ def power_on_grid(
     place: np.ndarray,
     velocity: np.ndarray,
     turning: float,
-    yielding: ModeMotion,
+    opened: np.ndarray,
+    rate: np.ndarray,
     bent: ModeMotion,
 ) -> FilmPower:
     """Return the power of the film on pin and shell as the sum over its cells.
@@ -396,8 +413,10 @@ def power_on_grid(
         d and d' in the axes of the shell [m], [m/s].
     turning : float
         w [rad/s].
-    yielding : ModeMotion
-        Modal motion of a shell with modes.
+    opened : ndarray, shape (c, a)
+        `yielded` of the shell [m].
+    rate : ndarray, shape (k,)
+        q' of the shell [kg^1/2 m/s].
     bent : ModeMotion
         Motion of a pin with shapes, in the axes of the shell; d is then d_j of Eq. (H11).
 
@@ -409,9 +428,9 @@ def power_on_grid(
     along = len(surface.clearance)
     pushes = forces.pressure.reshape((around, along))
     drags = forces.circumferential.reshape((around, along))
-    opening = yielded(surface, yielding.velocity)
-    slope = on_cells(surface, surface.modes.slope, yielding.position)
-    moved = on_cells(surface, surface.modes.onward, yielding.velocity)
+    opening = yielded(surface, rate)
+    slope = around_slope(opened)
+    moved = on_cells(surface, surface.modes.onward, rate)
     power = 0.0
     size = 0.0
     for j in range(along):

@@ -17,7 +17,7 @@ from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_force
 from piston_cosim.fmu_mfbd.dynamics.instant import gas_on_modes, load_of, of_skirt, on_modes
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, ON_FLEXIBLE_BLOCK, stacked
 from piston_cosim.fmu_mfbd.dynamics.parameters import PinParameters
-from piston_cosim.fmu_mfbd.dynamics.pin_films import held_forces, modal_pushes
+from piston_cosim.fmu_mfbd.dynamics.pin_films import film_pushes, held_forces
 from piston_cosim.fmu_mfbd.dynamics.skirt_films import (
     AxialMotion,
     forces_by_film,
@@ -70,7 +70,7 @@ def forces_of_all(model, inputs):
     others = others_at(model.model, given, model._last.crank)
     skirt = together(forces_by_film(system, guided, given.skirt))
     load = load_of(system, skirt, others, on_modes(skirt))
-    held = held_forces(system, load, given.pins, modal_pushes(system, given.pins))
+    held = held_forces(system, load, given.pins, film_pushes(system, given.pins))
     held.modal[: skirt_modes(system)] += gas_on_modes(system, guided, others)
     return held
 

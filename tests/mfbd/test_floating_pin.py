@@ -21,13 +21,12 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     PinForces,
     PinResultants,
     diameters,
-    modal_push,
     opening_of,
     pin_surface,
     power_on_grid,
     resultants_on,
     shell_modes,
-    slope_push,
+    shell_pushes,
     turned,
     yielded,
 )
@@ -103,14 +102,16 @@ def test_a_shell_that_yields_by_hand():
     push, drag = np.zeros((8, 1)), np.zeros((8, 1))
     push[1], drag[2] = 7.0, 5.0
     forces = PinForces(push, drag)
-    np.testing.assert_allclose(slope_push(surface, push), [-7.0 * 2 * 4 / np.pi], rtol=1e-12)
+    on_modes, slopes = shell_pushes(surface, forces)
+    np.testing.assert_allclose(slopes, [-7.0 * 2 * 4 / np.pi], rtol=1e-12)
     # pressure stands where the mode has no displacement, friction acts against u_t = sin 90 deg
-    np.testing.assert_allclose(modal_push(surface, forces), [-5.0], atol=1e-14)
+    np.testing.assert_allclose(on_modes, [-5.0], atol=1e-14)
     none, straight = np.zeros(2), ModeMotion(PARALLEL, PARALLEL)
-    still = power_on_grid(surface, forces, none, none, 30.0, ModeMotion(q, 0 * q), straight)
+    opened = yielded(surface, q)
+    still = power_on_grid(surface, forces, none, none, 30.0, opened, 0 * q, straight)
     turned_by = -7.0 * 2 * 4 / np.pi * 3e-6 * 30.0
     assert still[0] == pytest.approx(turned_by + 5.0 * 0.02 * 30.0, rel=1e-12)
-    moving = power_on_grid(surface, forces, none, none, 0.0, ModeMotion(q, q), straight)
+    moving = power_on_grid(surface, forces, none, none, 0.0, opened, q, straight)
     assert moving[0] == pytest.approx(-5.0 * 3e-6, rel=1e-12)
 
 

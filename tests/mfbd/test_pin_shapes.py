@@ -22,6 +22,7 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     power_on_grid,
     resultants_on,
     turned,
+    yielded,
 )
 from piston_cosim.fmu_mfbd.geometry.pin_shapes import (
     MOST,
@@ -186,12 +187,12 @@ def test_gap_and_forces_of_a_leaning_pin_by_hand():
     assert found.on_pin == pytest.approx(0.04 - 6e-6, rel=1e-12)
     # rising by 0.1 m/s: pressure closes nothing but the first row, whose pin comes down at 0.2 m/s
     rising = ModeMotion(up @ axes, np.array([[0.0, 0.1]]) @ axes)
-    none, rigid = np.zeros(2), ModeMotion(np.zeros(0), np.zeros(0))
-    power, _ = power_on_grid(surface, forces, none, none, 0.0, rigid, rising)
+    none, rigid = np.zeros(2), (yielded(surface, np.zeros(0)), np.zeros(0))
+    power, _ = power_on_grid(surface, forces, none, none, 0.0, *rigid, rising)
     assert power == pytest.approx(5.0 * 0.2, rel=1e-12)
     # turning by 30 rad/s, the friction's arm is shorter by those 3 um
     power, _ = power_on_grid(
-        surface, forces, none, none, 30.0, rigid, ModeMotion(up @ axes, 0 * up)
+        surface, forces, none, none, 30.0, *rigid, ModeMotion(up @ axes, 0 * up)
     )
     assert power == pytest.approx(2.0 * (0.02 - 3e-6) * 30.0, rel=1e-12)
 
