@@ -1,15 +1,17 @@
 """Variables of the body FMU, with the names of the interface contract."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, replace
 from math import pi
-from typing import Any, get_type_hints
+from typing import Annotated, Any, NamedTuple, get_type_hints
 
+import numpy as np
+
+from ..master.fmi.texts import texts_below
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .dynamics.block_force import BlockForce
-from .dynamics.build_options import BoreGrid, BuildOptions, FilmGrid, WallTemperatures
+from .dynamics.build_options import BuildOptions, FilmGrid, WallTemperatures
 from .dynamics.drive import Scalars
-from .dynamics.model import OIL
 from .dynamics.parameters import (
     CRANK_PARAMETERS,
     ELEMENT_PARAMETERS,
@@ -21,13 +23,8 @@ from .dynamics.parameters import (
     PinParameters,
     SpaceParameters,
 )
-from .dynamics.pin_outputs import PinScalars
+from .dynamics.pin_outputs import PIN_OUTPUTS
 from .dynamics.space_model import SpaceScalars
-
-Rows = tuple[tuple[Any, ...], ...]
-"""Name, unit, description and numbers of variables, as `input_variable` and `output_variable` take
-them.
-"""
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
 FILM = ("film_thickness", "sliding_velocity")
@@ -44,205 +41,172 @@ BLOCK = (
     "block_angular_velocity",
 )
 """Motion of a mounted block, as `Carrier`."""
-SKIRT_INPUTS: Rows = (
-    (
-        "nodal_pressure_force",
-        "N",
-        "Pressure force on a grid cell; positive separates skirt and bore",
-        0.0,
-        1.0,
-    ),
-    (
-        "nodal_friction_force",
-        "N",
-        "Axial force of the film on the skirt in a grid cell; the opposite force acts on the bore",
-        0.0,
-        0.1,
-    ),
-)
-PIN_INPUTS: Rows = (
-    (
-        "nodal_pressure_force",
-        "N",
-        "Pressure force on a grid cell; positive separates pin and shell",
-        0.0,
-        1.0,
-    ),
-    (
-        "nodal_friction_force",
-        "N",
-        "Axial force of the film on the pin; it has no effect, because the pin does not move "
-        "axially",
-        0.0,
-        0.1,
-    ),
-    (
-        "nodal_circumferential_force",
-        "N",
-        "Circumferential force of the film on the pin, positive with ascending i; the opposite "
-        "force acts on the shell",
-        0.0,
-        0.1,
-    ),
-)
 GAUGE = (-2e5, 1e8)
 FORCE = (-1e9, 1e9)
 FAST = (-1e6, 1e6)
-"""Ranges of gauge pressures [Pa], forces of the rings [N] and accelerations of a block."""
-GROWING = {"piston": "skirt", "bore": "bore"}
+WARM = (200.0, 1000.0)
+"""Ranges of gauge pressures [Pa], forces of the rings [N], accelerations of a block, and
+temperatures [K].
+"""
 WALL_LEVELS = {"skirt": "piston_temperature", "bore": "bore_temperature"}
 """Wall -> input with the level of its temperature."""
 WALL_FIELDS = {"skirt": "skirt_temperature_field", "bore": "bore_temperature_field"}
 """Wall -> field input of its temperature, which replaces the level."""
 WARMEST = (233.15, 573.15)
 """Range of the temperature of a wall with a film, as of the oil [K]."""
-OTHER_INPUTS = (
-    input_variable(
-        "gas_pressure",
-        "Pa",
-        "Gauge pressure on the piston crown and on the bore above the top ring; gas_source "
-        "combines it with the built-in table",
-        0.0,
-        1e6,
-        limits=GAUGE,
-    ),
-    input_variable(
-        "crankcase_pressure",
-        "Pa",
-        "Gauge pressure below the piston, over the area of the bore",
-        0.0,
-        1e5,
-        limits=GAUGE,
-    ),
-    input_variable(
-        "land_pressure",
-        "Pa",
-        "Gauge pressure on the bore between the rings",
-        0.0,
-        1e5,
-        limits=GAUGE,
-    ),
-    input_variable(
-        "ring_side_force",
-        "N",
-        "Force of the rings on the piston towards the thrust side",
-        0.0,
-        1e2,
-        limits=FORCE,
-    ),
-    input_variable(
-        "ring_axial_force",
-        "N",
-        "Force of the rings on the piston towards the head, along the bore axis",
-        0.0,
-        1e2,
-        limits=FORCE,
-    ),
-    input_variable(
-        "ring_moment",
-        "N.m",
-        "Moment of the rings on the piston about +z at pin point A, in addition to that of their "
-        "axial force",
-        0.0,
-        1.0,
-        limits=(-1e5, 1e5),
-    ),
-    input_variable(
-        "load_torque",
-        "N.m",
-        "Load torque on a free crank against its direction of rotation, at the end of the step; "
-        "without effect on a crank of prescribed speed",
-        0.0,
-        10.0,
-        limits=(-1e7, 1e7),
-    ),
-    *(
-        input_variable(
-            f"{body}_temperature",
-            "K",
-            f"Level of the temperature of the {body}, with which the {grows} grows from "
-            "reference_temperature on; it is even unless build options give a distribution",
-            293.15,
-            300.0,
-            limits=(200.0, 1000.0),
-        )
-        for body, grows in GROWING.items()
-    ),
-    input_variable(
-        "crank_speed",
-        "rad/s",
-        "Speed of the crank at the end of the step; for a free crank, at the start",
-        100 * pi,
-        300.0,
-        limits=(0.0, 3000.0),
-    ),
-)
-SKIRT_OUTPUTS: Rows = (
-    (
-        "film_thickness",
-        "m",
-        "Radial distance from skirt to bore; negative where they overlap",
-        1e-5,
-    ),
-    ("sliding_velocity", "m/s", "Axial velocity of the skirt relative to the bore", 1.0),
-)
-PIN_OUTPUTS: Rows = (
-    ("film_thickness", "m", "Radial distance from pin to shell; negative where they overlap", 1e-5),
-    ("sliding_velocity", "m/s", "Axial velocity of the pin relative to the shell; always 0", 1.0),
-    (
-        "circumferential_velocity",
-        "m/s",
-        "Circumferential velocity of the pin relative to the shell, positive with ascending i",
-        1.0,
-    ),
-)
-OTHER_OUTPUTS: Rows = (
-    (
-        "side_force_demand",
-        "N",
-        "Side-force demand of gas, rings and inertia, for a rigid piston in the middle of the bore",
-        1e3,
-    ),
-    ("cylinder_pressure", "Pa", "Current gauge pressure on the crown", 1e6),
-)
-MODES: Rows = (
-    (
-        "modal_coordinate",
-        "1",
-        "Mass-normalised modal coordinates [kg^(1/2) m], those of the piston first, then of the "
-        "block",
-        1e-6,
-    ),
-    ("modal_velocity", "1/s", "Time derivatives of the modal coordinates [kg^(1/2) m/s]", 1e-2),
-)
 
 
-BEARINGS: Rows = (
-    (
-        "bearing_coordinate",
-        "1",
-        "Coordinates of pin, crank and shells for a start: plays [m], angle of the pin [rad], "
-        "shapes and modes [kg^(1/2) m]",
-        1e-6,
-    ),
-    ("bearing_velocity", "1/s", "Time derivatives of the coordinates of pin and crank", 1e-2),
-)
+class SkirtInputs(NamedTuple):
+    """Forces of a film on the skirt: unit, start and nominal value."""
+
+    nodal_pressure_force: Annotated[np.ndarray, "N", 0.0, 1.0]
+    """Pressure force on a grid cell; positive separates skirt and bore."""
+    nodal_friction_force: Annotated[np.ndarray, "N", 0.0, 0.1]
+    """Axial force of the film on the skirt in a grid cell; the opposite force acts on the bore."""
 
 
-EYE_MODES: Rows = (
-    (
-        "small_end_modal_coordinate",
-        "1",
-        "Mass-normalised modal coordinates of the small end [kg^(1/2) m]",
-        1e-6,
-    ),
-    (
-        "small_end_modal_velocity",
-        "1/s",
-        "Time derivatives of the modal coordinates [kg^(1/2) m/s]",
-        1e-2,
-    ),
-)
+class PinInputs(NamedTuple):
+    """Forces of a film of pin or crank: unit, start and nominal value."""
+
+    nodal_pressure_force: Annotated[np.ndarray, "N", 0.0, 1.0]
+    """Pressure force on a grid cell; positive separates pin and shell."""
+    nodal_friction_force: Annotated[np.ndarray, "N", 0.0, 0.1]
+    """Axial force of the film on the pin; it has no effect, because the pin does not move axially.
+    """
+    nodal_circumferential_force: Annotated[np.ndarray, "N", 0.0, 0.1]
+    """Circumferential force of the film on the pin, positive with ascending i; the opposite force
+    acts on the shell.
+    """
+
+
+class OtherInputs(NamedTuple):
+    """Inputs of all body FMUs: unit, start, nominal value and range."""
+
+    gas_pressure: Annotated[float, "Pa", 0.0, 1e6, GAUGE]
+    """Gauge pressure on the piston crown and on the bore above the top ring; gas_source combines it
+    with the built-in table.
+    """
+    crankcase_pressure: Annotated[float, "Pa", 0.0, 1e5, GAUGE]
+    """Gauge pressure below the piston, over the area of the bore."""
+    land_pressure: Annotated[float, "Pa", 0.0, 1e5, GAUGE]
+    """Gauge pressure on the bore between the rings."""
+    ring_side_force: Annotated[float, "N", 0.0, 1e2, FORCE]
+    """Force of the rings on the piston towards the thrust side."""
+    ring_axial_force: Annotated[float, "N", 0.0, 1e2, FORCE]
+    """Force of the rings on the piston towards the head, along the bore axis."""
+    ring_moment: Annotated[float, "N.m", 0.0, 1.0, (-1e5, 1e5)]
+    """Moment of the rings on the piston about +z at pin point A, in addition to that of their axial
+    force.
+    """
+    load_torque: Annotated[float, "N.m", 0.0, 10.0, (-1e7, 1e7)]
+    """Load torque on a free crank against its direction of rotation, at the end of the step;
+    without effect on a crank of prescribed speed.
+    """
+    piston_temperature: Annotated[float, "K", 293.15, 300.0, WARM]
+    """Level of the temperature of the piston, with which the skirt grows from reference_temperature
+    on; it is even unless build options give a distribution.
+    """
+    bore_temperature: Annotated[float, "K", 293.15, 300.0, WARM]
+    """Level of the temperature of the bore, with which the bore grows from reference_temperature
+    on; it is even unless build options give a distribution.
+    """
+    crank_speed: Annotated[float, "rad/s", 100 * pi, 300.0, (0.0, 3000.0)]
+    """Speed of the crank at the end of the step; for a free crank, at the start."""
+
+
+class BlockInputs(NamedTuple):
+    """Motion of a mounted block in the plane of the cylinder: unit, start, nominal value, range."""
+
+    block_acceleration_x: Annotated[float, "m/s2", 0.0, 1.0, FAST]
+    """Acceleration of the block at the crank axis along the cylinder's x."""
+    block_acceleration_y: Annotated[float, "m/s2", 0.0, 1.0, FAST]
+    """Acceleration of the block at the crank axis along the cylinder's y."""
+    block_angular_acceleration: Annotated[float, "rad/s2", 0.0, 10.0, FAST]
+    """Angular acceleration of the block about the crank axis."""
+    block_angular_velocity: Annotated[float, "rad/s", 0.0, 0.1, (-1e4, 1e4)]
+    """Angular velocity of the block about the crank axis."""
+
+
+class BoreInputs(NamedTuple):
+    """Deflection of a bore that another participant computes: unit, start and nominal value."""
+
+    bore_deflection: Annotated[np.ndarray, "m", 0.0, 1e-5]
+    """Outward deflection of the bore, on its grid of angles and heights."""
+
+
+class BoreOutputs(NamedTuple):
+    """Forces of the cylinder on a block with such a bore: unit and nominal value."""
+
+    force_on_bore: Annotated[np.ndarray, "N", 10.0]
+    """Outward force of film and gas on the bore, on its grid of angles and heights."""
+    force_on_deck: Annotated[float, "N", 1e3]
+    """Force of the gas on the deck along y."""
+
+
+class SkirtOutputs(NamedTuple):
+    """Motion of a film of the skirt: unit and nominal value."""
+
+    film_thickness: Annotated[np.ndarray, "m", 1e-5]
+    """Radial distance from skirt to bore; negative where they overlap."""
+    sliding_velocity: Annotated[np.ndarray, "m/s", 1.0]
+    """Axial velocity of the skirt relative to the bore."""
+
+
+class PinOutputs(NamedTuple):
+    """Motion of a film of pin or crank: unit and nominal value."""
+
+    film_thickness: Annotated[np.ndarray, "m", 1e-5]
+    """Radial distance from pin to shell; negative where they overlap."""
+    sliding_velocity: Annotated[np.ndarray, "m/s", 1.0]
+    """Axial velocity of the pin relative to the shell; always 0."""
+    circumferential_velocity: Annotated[np.ndarray, "m/s", 1.0]
+    """Circumferential velocity of the pin relative to the shell, positive with ascending i."""
+
+
+class OtherOutputs(NamedTuple):
+    """Outputs of all body FMUs besides `Scalars`: unit and nominal value."""
+
+    side_force_demand: Annotated[float, "N", 1e3]
+    """Side-force demand of gas, rings and inertia, for a rigid piston in the middle of the bore."""
+    cylinder_pressure: Annotated[float, "Pa", 1e6]
+    """Current gauge pressure on the crown."""
+
+
+class OilOutputs(NamedTuple):
+    """Oil temperature of a film between walls with given temperatures: unit and nominal value."""
+
+    oil_temperature: Annotated[np.ndarray, "K", 300.0]
+    """Oil temperature, mean of both walls; the bore is read where the cell is now."""
+
+
+class ModalOutputs(NamedTuple):
+    """Coordinates of piston and block: unit and nominal value."""
+
+    modal_coordinate: Annotated[np.ndarray, "1", 1e-6]
+    """Mass-normalised modal coordinates [kg^(1/2) m], those of the piston first, then of the block.
+    """
+    modal_velocity: Annotated[np.ndarray, "1/s", 1e-2]
+    """Time derivatives of the modal coordinates [kg^(1/2) m/s]."""
+
+
+class BearingOutputs(NamedTuple):
+    """Coordinates of pin, crank and shells: unit and nominal value."""
+
+    bearing_coordinate: Annotated[np.ndarray, "1", 1e-6]
+    """Coordinates of pin, crank and shells for a start: plays [m], angle of the pin [rad], shapes
+    and modes [kg^(1/2) m].
+    """
+    bearing_velocity: Annotated[np.ndarray, "1/s", 1e-2]
+    """Time derivatives of the coordinates of pin and crank."""
+
+
+class EyeOutputs(NamedTuple):
+    """Coordinates of a flexible small end: unit and nominal value."""
+
+    small_end_modal_coordinate: Annotated[np.ndarray, "1", 1e-6]
+    """Mass-normalised modal coordinates of the small end [kg^(1/2) m]."""
+    small_end_modal_velocity: Annotated[np.ndarray, "1/s", 1e-2]
+    """Time derivatives of the modal coordinates [kg^(1/2) m/s]."""
 
 
 def variables(options: BuildOptions) -> list[Variable]:
@@ -258,21 +222,23 @@ def signals(options: BuildOptions) -> list[Variable]:
     acting, answers = inputs(films, pins), outputs(films, modes, pins)
     pin = options.floating_pin
     if pins:
-        answers = answers + declared(PinScalars, options.absent_parts())
-    answers = answers + of_modes(BEARINGS, options.bearing_coordinates())
-    if pin and pin.small_end_modes:
-        answers = answers + of_modes(EYE_MODES, pin.small_end_modes)
+        absent = options.absent_parts()
+        answers += [output_variable(*row) for row in PIN_OUTPUTS if not row[0].startswith(absent)]
+    answers += of_modes(BearingOutputs, options.bearing_coordinates())
+    if pin:
+        answers += of_modes(EyeOutputs, pin.small_end_modes)
     film = "main_bearing" in options.crank_surfaces()  # which has outputs of these names
-    answers = answers + declared(BlockForce, ("main_bearing",) * film)
+    answers += declared(output_variable, BlockForce, absent=("main_bearing",) * film)
     if walls := options.temperatures:
         acting = warmed(acting, walls, options)
-        answers = answers + [oil_output(film) for film in films]
+        answers += [one for film in films for one in declared(output_variable, OilOutputs, *film)]
     if options.mounted:
-        acting = acting + block_inputs()
+        acting += declared(_input, BlockInputs)
     if outside := options.block.bore_from_outside:
-        acting, answers = acting + [bore_input(outside)], answers + bore_outputs(outside)
+        acting += declared(_input, BoreInputs, shape=tuple(outside))
+        answers += declared(output_variable, BoreOutputs, shape=tuple(outside))
     if options.in_space:
-        answers = answers + declared(SpaceScalars)
+        answers += declared(output_variable, SpaceScalars)
     kinds: list[type] = [PinParameters] * bool(pin)
     kinds += [AxisParameters] * bool(pin and pin.pin_shapes)
     kinds += [CRANK_PARAMETERS[name] for name in options.crank_surfaces()]
@@ -311,24 +277,13 @@ def warmed(
     return others + levels + fields
 
 
-def oil_output(film: FilmGrid) -> Variable:
-    """Return the oil temperature of a film between walls whose temperatures are given."""
-    text = "Oil temperature, mean of both walls; the bore is read where the cell is now"
-    return output_variable(f"{film.prefix}{OIL}", "K", text, 300.0, film.shape)
-
-
 def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list[Variable]:
     """Return the inputs of the bodies. `pins` are the films of a floating pin."""
     return [
-        *(one for film in films for one in on_grid(input_variable, film, SKIRT_INPUTS)),
-        *(one for pin in pins for one in on_grid(input_variable, pin, PIN_INPUTS)),
-        *OTHER_INPUTS,
+        *(one for film in films for one in declared(_input, SkirtInputs, *film)),
+        *(one for pin in pins for one in declared(_input, PinInputs, *pin)),
+        *declared(_input, OtherInputs),
     ]
-
-
-def on_grid(make: Any, film: FilmGrid, rows: Rows) -> list[Variable]:
-    """Return the variables of a film, one of each row."""
-    return [make(f"{film.prefix}{name}", *rest, film.shape) for name, *rest in rows]
 
 
 def outputs(
@@ -336,10 +291,10 @@ def outputs(
 ) -> list[Variable]:
     """Return the outputs of the bodies. `pins` are the films of a floating pin."""
     return [
-        *(one for film in films for one in on_grid(output_variable, film, SKIRT_OUTPUTS)),
-        *(one for pin in pins for one in on_grid(output_variable, pin, PIN_OUTPUTS)),
-        *declared(Scalars),
-        *(output_variable(*row) for row in OTHER_OUTPUTS),
+        *(one for film in films for one in declared(output_variable, SkirtOutputs, *film)),
+        *(one for pin in pins for one in declared(output_variable, PinOutputs, *pin)),
+        *declared(output_variable, Scalars),
+        *declared(output_variable, OtherOutputs),
         *(
             output_variable(
                 f"{film.prefix}interface_work_error",
@@ -361,77 +316,67 @@ def outputs(
             "Number of Jacobian evaluations of the equations of motion so far (NJAC)",
             start=0,
         ),
-        *of_modes(MODES, modes),
+        *of_modes(ModalOutputs, modes),
     ]
 
 
-def of_modes(rows: Rows, modes: int) -> list[Variable]:
+def of_modes(kind: type, modes: int) -> list[Variable]:
     """Return the modal outputs of a body; one without modes has none."""
-    return [output_variable(*row, shape=(modes,)) for row in rows if modes]
+    return declared(output_variable, kind, shape=(modes,)) if modes else []
 
 
-def declared(kind: type, absent: tuple[str, ...] = ()) -> list[Variable]:
-    """Return the outputs of a named tuple, except those whose names begin like absent parts."""
+def declared(
+    make: Callable[..., Variable],
+    kind: type,
+    prefix: str = "",
+    shape: tuple[int, ...] = (),
+    absent: tuple[str, ...] = (),
+) -> list[Variable]:
+    """Return the variables of a named tuple.
+
+    Parameters
+    ----------
+    make : callable
+        Takes name, unit, text, numbers of the annotation, and `shape`.
+    kind : type
+        Each member has its unit and numbers in the annotation, and its description below.
+    prefix : str
+        Beginning of all names.
+    shape : tuple of int
+        Shape of the arrays.
+    absent : tuple of str
+        Beginnings of names to leave out.
+    """
+    texts = texts_below(kind)
     return [
-        output_variable(name, *hint.__metadata__)
+        make(
+            f"{prefix}{name}",
+            hint.__metadata__[0],
+            one_sentence(texts[name]),
+            *hint.__metadata__[1:],
+            shape=shape if hint.__origin__ is np.ndarray else (),
+        )
         for name, hint in get_type_hints(kind, include_extras=True).items()
         if not name.startswith(absent)
     ]
 
 
-def block_inputs() -> list[Variable]:
-    """Return the motion of a mounted block in the plane of the cylinder."""
-    text = "Acceleration of the block at the crank axis along the cylinder's"
-    return [
-        *(
-            input_variable(
-                f"block_acceleration_{axis}", "m/s2", f"{text} {axis}", 0.0, 1.0, limits=FAST
-            )
-            for axis in "xy"
-        ),
-        input_variable(
-            "block_angular_acceleration",
-            "rad/s2",
-            "Angular acceleration of the block about the crank axis",
-            0.0,
-            10.0,
-            limits=FAST,
-        ),
-        input_variable(
-            "block_angular_velocity",
-            "rad/s",
-            "Angular velocity of the block about the crank axis",
-            0.0,
-            0.1,
-            limits=(-1e4, 1e4),
-        ),
-    ]
+def _input(
+    name: str,
+    unit: str,
+    text: str,
+    start: float,
+    nominal: float,
+    limits: tuple[float | None, float | None] = (None, None),
+    shape: tuple[int, ...] = (),
+) -> Variable:
+    """Return an input of a row of `declared`."""
+    return input_variable(name, unit, text, start, nominal, shape, limits=limits)
 
 
-def bore_input(grid: BoreGrid) -> Variable:
-    """Return the deflection of a bore that another participant computes."""
-    return input_variable(
-        "bore_deflection",
-        "m",
-        "Outward deflection of the bore, on its grid of angles and heights",
-        0.0,
-        1e-5,
-        tuple(grid),
-    )
-
-
-def bore_outputs(grid: BoreGrid) -> list[Variable]:
-    """Return the forces of the cylinder on a deflecting block."""
-    return [
-        output_variable(
-            "force_on_bore",
-            "N",
-            "Outward force of film and gas on the bore, on its grid of angles and heights",
-            10.0,
-            tuple(grid),
-        ),
-        output_variable("force_on_deck", "N", "Force of the gas on the deck along y", 1e3),
-    ]
+def one_sentence(text: str) -> str:
+    """Return the description of a variable from the text below its declaration."""
+    return " ".join(text.split()).removesuffix(".")
 
 
 def parameters(*own: type, starts: Mapping[str, float] | None = None) -> list[Variable]:
@@ -439,15 +384,23 @@ def parameters(*own: type, starts: Mapping[str, float] | None = None) -> list[Va
 
     `own` are e.g. `PinParameters`. `starts` are start values that replace defaults.
     """
-    kinds = [Parameters, *ELEMENT_PARAMETERS, *own]
-    defaults = {name: value for kind in kinds for name, value in vars(kind()).items()}
-    defaults |= starts or {}
+    return declared_parameters([Parameters, *ELEMENT_PARAMETERS, *own], starts)
+
+
+def declared_parameters(
+    kinds: Iterable[type], starts: Mapping[str, Any] | None = None
+) -> list[Variable]:
+    """Return the parameters of dataclasses, each described by the text below it.
+
+    `starts` are start values that replace defaults.
+    """
     return [
         Variable(
             one.name,
             causality="parameter",
-            start=defaults[one.name],
-            tunable=one.name in TUNABLE,
+            description=one_sentence(texts_below(kind)[one.name]),
+            start=(starts or {}).get(one.name, getattr(kind, one.name)),
+            tunable=kind is Parameters and one.name in TUNABLE,
             **one.metadata,
         )
         for kind in kinds

@@ -17,24 +17,16 @@ from .piston_motion import Load
 class BlockForce(NamedTuple):
     """Forces on the block in its axes, declared as `drive.Scalars`."""
 
-    force_on_block_x: Annotated[
-        float, "N", "Force of bore, deck and main bearings on the block along x", 1e3
-    ]
-    force_on_block_y: Annotated[
-        float, "N", "Force of bore, deck and main bearings on the block along y", 1e3
-    ]
-    moment_on_block: Annotated[
-        float,
-        "N.m",
-        "Moment of bore, deck and friction of the main bearing on the block about the crank axis",
-        1e2,
-    ]
-    main_bearing_force_x: Annotated[
-        float, "N", "Force of the crank on its main bearings along x", 1e3
-    ]
-    main_bearing_force_y: Annotated[
-        float, "N", "Force of the crank on its main bearings along y", 1e3
-    ]
+    force_on_block_x: Annotated[float, "N", 1e3]
+    """Force of bore, deck and main bearings on the block along x."""
+    force_on_block_y: Annotated[float, "N", 1e3]
+    """Force of bore, deck and main bearings on the block along y."""
+    moment_on_block: Annotated[float, "N.m", 1e2]
+    """Moment of bore, deck and friction of the main bearing on the block about the crank axis."""
+    main_bearing_force_x: Annotated[float, "N", 1e3]
+    """Force of the crank on its main bearings along x."""
+    main_bearing_force_y: Annotated[float, "N", 1e3]
+    """Force of the crank on its main bearings along y."""
 
 
 NO_FORCE = BlockForce(0.0, 0.0, 0.0, 0.0, 0.0)

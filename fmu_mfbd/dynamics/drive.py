@@ -20,113 +20,68 @@ from .system import BodySystem, OtherForces, rigid_piston
 class Scalars(NamedTuple):
     """Scalar outputs, each declared once: unit, description and nominal value."""
 
-    crank_angle: Annotated[float, "rad", "Crank angle, 0 at firing top dead centre", 1.0]
-    rotation_speed: Annotated[float, "rad/s", "Current speed of the crank", 300.0]
-    piston_position: Annotated[float, "m", "Height of pin point A above the crank axis", 0.1]
-    piston_velocity: Annotated[float, "m/s", "Velocity of pin point A towards the head", 10.0]
-    lateral_displacement: Annotated[
-        float,
-        "m",
-        "Displacement of pin point A from its concentric position towards the thrust side",
-        1e-5,
-    ]
-    rocking_angle: Annotated[float, "rad", "Rotation of the piston about the pin axis +z", 1e-3]
-    lateral_velocity: Annotated[
-        float, "m/s", "Velocity of pin point A towards the thrust side", 0.01
-    ]
-    rocking_velocity: Annotated[
-        float, "rad/s", "Angular velocity of the piston about the pin axis +z", 1.0
-    ]
-    side_force: Annotated[
-        float,
-        "N",
-        "Force of the piston on the bore through the film, positive on the thrust side",
-        1e3,
-    ]
-    crank_torque: Annotated[
-        float, "N.m", "Torque of the drive on the crank in its direction of rotation", 10.0
-    ]
-    effective_inertia: Annotated[
-        float,
-        "kg.m2",
-        "Moment of inertia of crank and of all that it moves about its axis, with a rigid piston",
-        0.01,
-    ]
-    pin_force_x: Annotated[float, "N", "Force of the pin on the piston along x", 1e3]
-    pin_force_y: Annotated[float, "N", "Force of the pin on the piston along y", 1e3]
-    pin_friction_moment: Annotated[
-        float, "N.m", "Friction moment of the pin on the piston about +z", 0.1
-    ]
-    pin_friction_power: Annotated[float, "W", "Friction power at the pin", 10.0]
-    element_power: Annotated[
-        float,
-        "W",
-        "Power of all force elements, such as land_contact, on both of their bodies",
-        10.0,
-    ]
-    kinetic_energy: Annotated[
-        float,
-        "J",
-        "Kinetic energy of the motion across the bore, including rocking and modes",
-        1e-3,
-    ]
-    piston_kinetic_energy: Annotated[
-        float, "J", "Kinetic energy of the piston alone in lateral translation and rocking", 1e-3
-    ]
-    lower_edge_velocity: Annotated[
-        float,
-        "m/s",
-        "Velocity of the lower edge of the films on the skirt towards the thrust side",
-        1e-2,
-    ]
-    upper_edge_velocity: Annotated[
-        float,
-        "m/s",
-        "Velocity of the upper edge of the films on the skirt towards the thrust side",
-        1e-2,
-    ]
-    elastic_energy: Annotated[float, "J", "Elastic energy of all modes", 1e-3]
-    film_power: Annotated[float, "W", "Power of the film on the bodies, mean over the step", 100.0]
-    power_error: Annotated[
-        float,
-        "W",
-        "Power that time integration creates in the motion across the bore, mean over the step; "
-        "negative: lost",
-        1.0,
-    ]
-    received_power: Annotated[
-        float,
-        "W",
-        "Power that the bodies received from the film, mean over the step, computed from their "
-        "motion",
-        100.0,
-    ]
-    energy_size: Annotated[
-        float,
-        "J",
-        "Kinetic energy across the bore, including the rod; larger value of both ends of the step",
-        1e-3,
-    ]
-    power_size: Annotated[
-        float,
-        "W",
-        "Sum of the sizes of the powers exchanged with forces other than the film, mean over the "
-        "step",
-        100.0,
-    ]
-    thermal_opening: Annotated[
-        float,
-        "m",
-        "Change of the film thickness on the skirt with piston_temperature and bore_temperature",
-        1e-5,
-    ]
-    longest_step: Annotated[
-        float,
-        "s",
-        "Longest step that resolves the motion across the bore; if it is shorter than the last "
-        "step, that step can be repeated in parts",
-        1e-3,
-    ]
+    crank_angle: Annotated[float, "rad", 1.0]
+    """Crank angle, 0 at firing top dead centre."""
+    rotation_speed: Annotated[float, "rad/s", 300.0]
+    """Current speed of the crank."""
+    piston_position: Annotated[float, "m", 0.1]
+    """Height of pin point A above the crank axis."""
+    piston_velocity: Annotated[float, "m/s", 10.0]
+    """Velocity of pin point A towards the head."""
+    lateral_displacement: Annotated[float, "m", 1e-5]
+    """Displacement of pin point A from its concentric position towards the thrust side."""
+    rocking_angle: Annotated[float, "rad", 1e-3]
+    """Rotation of the piston about the pin axis +z."""
+    lateral_velocity: Annotated[float, "m/s", 0.01]
+    """Velocity of pin point A towards the thrust side."""
+    rocking_velocity: Annotated[float, "rad/s", 1.0]
+    """Angular velocity of the piston about the pin axis +z."""
+    side_force: Annotated[float, "N", 1e3]
+    """Force of the piston on the bore through the film, positive on the thrust side."""
+    crank_torque: Annotated[float, "N.m", 10.0]
+    """Torque of the drive on the crank in its direction of rotation."""
+    effective_inertia: Annotated[float, "kg.m2", 0.01]
+    """Moment of inertia of crank and of all that it moves about its axis, with a rigid piston."""
+    pin_force_x: Annotated[float, "N", 1e3]
+    """Force of the pin on the piston along x."""
+    pin_force_y: Annotated[float, "N", 1e3]
+    """Force of the pin on the piston along y."""
+    pin_friction_moment: Annotated[float, "N.m", 0.1]
+    """Friction moment of the pin on the piston about +z."""
+    pin_friction_power: Annotated[float, "W", 10.0]
+    """Friction power at the pin."""
+    element_power: Annotated[float, "W", 10.0]
+    """Power of all force elements, such as land_contact, on both of their bodies."""
+    kinetic_energy: Annotated[float, "J", 1e-3]
+    """Kinetic energy of the motion across the bore, including rocking and modes."""
+    piston_kinetic_energy: Annotated[float, "J", 1e-3]
+    """Kinetic energy of the piston alone in lateral translation and rocking."""
+    lower_edge_velocity: Annotated[float, "m/s", 1e-2]
+    """Velocity of the lower edge of the films on the skirt towards the thrust side."""
+    upper_edge_velocity: Annotated[float, "m/s", 1e-2]
+    """Velocity of the upper edge of the films on the skirt towards the thrust side."""
+    elastic_energy: Annotated[float, "J", 1e-3]
+    """Elastic energy of all modes."""
+    film_power: Annotated[float, "W", 100.0]
+    """Power of the film on the bodies, mean over the step."""
+    power_error: Annotated[float, "W", 1.0]
+    """Power that time integration creates in the motion across the bore, mean over the step;
+    negative: lost.
+    """
+    received_power: Annotated[float, "W", 100.0]
+    """Power that the bodies received from the film, mean over the step, computed from their motion.
+    """
+    energy_size: Annotated[float, "J", 1e-3]
+    """Kinetic energy across the bore, including the rod; larger value of both ends of the step."""
+    power_size: Annotated[float, "W", 100.0]
+    """Sum of the sizes of the powers exchanged with forces other than the film, mean over the step.
+    """
+    thermal_opening: Annotated[float, "m", 1e-5]
+    """Change of the film thickness on the skirt with piston_temperature and bore_temperature."""
+    longest_step: Annotated[float, "s", 1e-3]
+    """Longest step that resolves the motion across the bore; if it is shorter than the last step,
+    that step can be repeated in parts.
+    """
 
 
 @compilable

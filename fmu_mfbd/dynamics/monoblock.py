@@ -18,7 +18,7 @@ stand upright side by side. The block starts at rest, undeformed, its mounts unl
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import scipy.linalg as la
@@ -34,42 +34,43 @@ TRAPEZOIDAL = 1.0
 
 
 class Cylinder(NamedTuple):
-    """Actions of a cylinder on the block.
+    """Actions of a cylinder on the block: unit, start and nominal value.
 
-    Parameters
-    ----------
-    force_x, force_y, moment : float
-        All of its forces in its plane, and of bore and deck their moment about the crank axis [N],
-        [N m].
-    bearing_force_x, bearing_force_y : float
-        Of the crank on its main bearings, part of the forces above [N].
-    force_on_bore : ndarray, shape (angles, stations)
-        Of film and gas, outwards [N].
-    force_on_deck : float
-        Of gas along y [N].
+    `force_on_bore` is (angles, stations).
     """
 
-    force_x: float
-    force_y: float
-    moment: float
-    bearing_force_x: float
-    bearing_force_y: float
-    force_on_bore: np.ndarray
-    force_on_deck: float
+    force_x: Annotated[float, "N", 0.0, 1e3]
+    """Force of bore, deck and main bearings on the block along x."""
+    force_y: Annotated[float, "N", 0.0, 1e3]
+    """Force of bore, deck and main bearings on the block along y."""
+    moment: Annotated[float, "N.m", 0.0, 1e2]
+    """Moment of bore and deck on the block about the crank axis."""
+    bearing_force_x: Annotated[float, "N", 0.0, 1e3]
+    """Force of the crank on its main bearings along x."""
+    bearing_force_y: Annotated[float, "N", 0.0, 1e3]
+    """Force of the crank on its main bearings along y."""
+    force_on_deck: Annotated[float, "N", 0.0, 1e3]
+    """Force of the gas on the deck along y."""
+    force_on_bore: Annotated[np.ndarray, "N", 0.0, 10.0]
+    """Outward force of film and gas on the bore, on its grid of angles and heights."""
 
 
 class CylinderMotion(NamedTuple):
-    """Motion of the block at a cylinder.
+    """Motion of the block at a cylinder: unit and nominal value.
 
-    It has the acceleration on the crank axis [m/s2], the angular acceleration [rad/s2] and velocity
-    about z [rad/s]. The deflection of the bore is (angles, stations) [m].
+    `bore_deflection` is (angles, stations).
     """
 
-    acceleration_x: float
-    acceleration_y: float
-    angular_acceleration: float
-    angular_velocity: float
-    bore_deflection: np.ndarray
+    acceleration_x: Annotated[float, "m/s2", 1.0]
+    """Acceleration of the block at the cylinder along x."""
+    acceleration_y: Annotated[float, "m/s2", 1.0]
+    """Acceleration of the block at the cylinder along y."""
+    angular_acceleration: Annotated[float, "rad/s2", 10.0]
+    """Angular acceleration of the block about z."""
+    angular_velocity: Annotated[float, "rad/s", 0.1]
+    """Angular velocity of the block about z."""
+    bore_deflection: Annotated[np.ndarray, "m", 1e-5]
+    """Outward deflection of the bore, on its grid of angles and heights."""
 
 
 @dataclass(frozen=True)

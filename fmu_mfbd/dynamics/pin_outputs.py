@@ -1,6 +1,6 @@
 """Scalar outputs of a floating pin, the rod's eye and the films of the crank."""
 
-from typing import Annotated, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -43,7 +43,7 @@ def _widening(name, directions):
 
 
 BY_ROD = {"across": "across the rod", "along": "along the rod"}
-PIN_OUTPUTS = (
+PIN_OUTPUTS: tuple[tuple[Any, ...], ...] = (
     *_displacement("pin", "the pin axis from the axis of the bosses"),
     *_displacement("small_end", "the pin axis from the axis of the small end"),
     ("pin_angle", "rad", "Rotation angle of the pin about +z", 1.0),
@@ -62,8 +62,8 @@ PIN_OUTPUTS = (
 )
 """Scalar outputs of pin, eye and crank: name, unit, description, nominal value."""
 
-DECLARED = [(name, Annotated[float, *row]) for name, *row in PIN_OUTPUTS]
-PinScalars = NamedTuple("PinScalars", DECLARED)
+MEMBERS = [(name, float) for name, *_ in PIN_OUTPUTS]
+PinScalars = NamedTuple("PinScalars", MEMBERS)
 """Their values, as `drive.Scalars`; 0 if their part is absent."""
 
 NO_PIN = PinScalars(*[0.0] * len(PinScalars._fields))

@@ -89,33 +89,32 @@ class LastInSpace(NamedTuple):
 class SpaceScalars(NamedTuple):
     """Scalar outputs across the plane of the crank, declared as `drive.Scalars`."""
 
-    pin_axis_displacement: Annotated[
-        float, "m", "Displacement of pin point A along the pin, +z", 1e-5
-    ]
-    roll_angle: Annotated[
-        float, "rad", "Rotation of the piston about +x, including the constant pin_tilt", 1e-3
-    ]
-    yaw_angle: Annotated[float, "rad", "Rotation of the piston about +y", 1e-3]
-    pin_axis_velocity: Annotated[float, "m/s", "Velocity of pin point A along the pin", 1e-2]
-    roll_velocity: Annotated[float, "rad/s", "Angular velocity of the piston about +x", 1.0]
-    yaw_velocity: Annotated[float, "rad/s", "Angular velocity of the piston about +y", 1.0]
-    pin_axis_side_force: Annotated[
-        float, "N", "Force of the piston on the bore through the film along +z", 1e2
-    ]
-    rod_force_z: Annotated[
-        float, "N", "Force of the rod on the pin along z, from stop and damper", 10.0
-    ]
-    rod_moment_x: Annotated[float, "N.m", "Moment of the small end on the pin about +x", 1.0]
-    rod_moment_y: Annotated[float, "N.m", "Moment of the small end on the pin about +y", 1.0]
-    force_on_block_z: Annotated[
-        float, "N", "Force of bore and main bearings on the block along z", 1e2
-    ]
-    moment_on_block_x: Annotated[
-        float, "N.m", "Moment of bore, deck and main bearings on the block about x", 10.0
-    ]
-    moment_on_block_y: Annotated[
-        float, "N.m", "Moment of bore, deck and main bearings on the block about y", 10.0
-    ]
+    pin_axis_displacement: Annotated[float, "m", 1e-5]
+    """Displacement of pin point A along the pin, +z."""
+    roll_angle: Annotated[float, "rad", 1e-3]
+    """Rotation of the piston about +x, including the constant pin_tilt."""
+    yaw_angle: Annotated[float, "rad", 1e-3]
+    """Rotation of the piston about +y."""
+    pin_axis_velocity: Annotated[float, "m/s", 1e-2]
+    """Velocity of pin point A along the pin."""
+    roll_velocity: Annotated[float, "rad/s", 1.0]
+    """Angular velocity of the piston about +x."""
+    yaw_velocity: Annotated[float, "rad/s", 1.0]
+    """Angular velocity of the piston about +y."""
+    pin_axis_side_force: Annotated[float, "N", 1e2]
+    """Force of the piston on the bore through the film along +z."""
+    rod_force_z: Annotated[float, "N", 10.0]
+    """Force of the rod on the pin along z, from stop and damper."""
+    rod_moment_x: Annotated[float, "N.m", 1.0]
+    """Moment of the small end on the pin about +x."""
+    rod_moment_y: Annotated[float, "N.m", 1.0]
+    """Moment of the small end on the pin about +y."""
+    force_on_block_z: Annotated[float, "N", 1e2]
+    """Force of bore and main bearings on the block along z."""
+    moment_on_block_x: Annotated[float, "N.m", 10.0]
+    """Moment of bore, deck and main bearings on the block about x."""
+    moment_on_block_y: Annotated[float, "N.m", 10.0]
+    """Moment of bore, deck and main bearings on the block about y."""
 
 
 class PistonInSpace(PistonInBore):

@@ -9,15 +9,10 @@ BODIES = ("crank", "rod", "pin", "piston")
 
 
 def declared(
-    unit: str,
-    description: str,
-    start: float,
-    minimum: float | None = None,
-    maximum: float | None = None,
+    unit: str, start: float, minimum: float | None = None, maximum: float | None = None
 ) -> Any:
-    """Declare the default of a parameter with unit, description and range."""
-    metadata = dict(unit=unit, description=description, minimum=minimum, maximum=maximum)
-    return field(default=start, metadata=metadata)
+    """Declare the default of a parameter with unit and range. The text below it describes it."""
+    return field(default=start, metadata=dict(unit=unit, minimum=minimum, maximum=maximum))
 
 
 class PointMotion(NamedTuple):

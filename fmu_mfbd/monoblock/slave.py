@@ -15,9 +15,10 @@ from ..dynamics.monoblock import (
     MountedMonoblock,
     Mounting,
 )
+from ..dynamics.parameters import taken
 from ..reduction.reduced_body import ReducedMonoblock, load
 from . import variables as table
-from .variables import AXES, DEFLECTION, FORCES, MOTIONS, ON_BORE, ports
+from .variables import AXES, Parameters, ports
 
 
 class Monoblock(FieldSlave):
@@ -30,12 +31,12 @@ class Monoblock(FieldSlave):
     @property
     def derivative_inputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
         """Return the forces of all cylinders."""
-        return ports(self.options["cylinders"], (*FORCES, ON_BORE))
+        return ports(self.options["cylinders"], Cylinder)
 
     @property
     def derivative_outputs(self):  # pyright: ignore[reportIncompatibleVariableOverride]
         """Return the motion of the block at all cylinders."""
-        return ports(self.options["cylinders"], (*MOTIONS, DEFLECTION))
+        return ports(self.options["cylinders"], CylinderMotion)
 
     @staticmethod
     def variables(options: dict[str, Any]) -> list[Variable]:
@@ -48,10 +49,8 @@ class Monoblock(FieldSlave):
         body = load(ReducedMonoblock, self.resources / self.options["file"])
         mounts = range(1, self.options["mounts"] + 1)
         springs = [[values[f"mount_{k}_stiffness_{axis}"] for axis in AXES] for k in mounts]
-        names = ("damping_time", "damping_ratio", "quasi_static_frequency", "spectral_radius")
-        self.model = MountedMonoblock(
-            body, Mounting(np.array(springs), *(values[one] for one in names))
-        )
+        settings = vars(taken(Parameters, values))
+        self.model = MountedMonoblock(body, Mounting(np.array(springs), **settings))
         if self.model.loose():
             raise BadInput(
                 "mount_1_stiffness_x, ..: expected mounts that hold all six directions or "

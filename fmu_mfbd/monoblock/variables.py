@@ -1,56 +1,30 @@
 """Variables of the block FMU."""
 
-from typing import Any
+from dataclasses import dataclass
 
 from ...master.fmi.variables import Variable, constant, input_variable, output_variable, parameter
+from ..dynamics.build_options import FilmGrid
+from ..dynamics.monoblock import Cylinder, CylinderMotion
+from ..force_elements.element import declared as _declared
+from ..variables import declared, declared_parameters
 
 AXES = ("x", "y", "z")
-FORCES = {
-    "force_x": ("N", "Force of bore, deck and main bearings on the block along x", 0.0, 1e3),
-    "force_y": ("N", "Force of bore, deck and main bearings on the block along y", 0.0, 1e3),
-    "moment": ("N.m", "Moment of bore and deck on the block about the crank axis", 0.0, 1e2),
-    "bearing_force_x": ("N", "Force of the crank on its main bearings along x", 0.0, 1e3),
-    "bearing_force_y": ("N", "Force of the crank on its main bearings along y", 0.0, 1e3),
-    "force_on_deck": ("N", "Force of the gas on the deck along y", 0.0, 1e3),
-}
-"""Unit, description, start and nominal of the forces that a cylinder provides."""
-MOTIONS = {
-    "acceleration_x": ("m/s2", "Acceleration of the block at the cylinder along x", 1.0),
-    "acceleration_y": ("m/s2", "Acceleration of the block at the cylinder along y", 1.0),
-    "angular_acceleration": ("rad/s2", "Angular acceleration of the block about z", 10.0),
-    "angular_velocity": ("rad/s", "Angular velocity of the block about z", 0.1),
-}
-"""Unit, description and nominal of the motion that a cylinder receives."""
-ON_BORE, DEFLECTION = "force_on_bore", "bore_deflection"
-ON_GRID = "on its grid of angles and heights"
-SETTINGS = (
-    (
-        "damping_time",
-        "s",
-        "Damping time of the mounts: damping divided by stiffness",
-        0.0,
-        0.0,
-        1.0,
-    ),
-    ("damping_ratio", "1", "Modal damping ratio of all modes", 0.02, 0.0, 2.0),
-    (
-        "quasi_static_frequency",
-        "Hz",
-        "Frequency above which modes follow their load without inertia",
-        1e9,
-        0.0,
-        1e9,
-    ),
-    (
-        "spectral_radius",
-        "1",
-        "Spectral radius of the modes' time integrator at infinite frequency",
-        0.6,
-        0.0,
-        1.0,
-    ),
-)
-"""Parameters, as `parameter` takes them."""
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Parameters of the block besides the stiffness of its mounts, in SI."""
+
+    damping_time: float = _declared("s", 0.0, 0.0, 1.0)
+    """Damping time of the mounts: damping divided by stiffness."""
+    damping_ratio: float = _declared("1", 0.02, 0.0, 2.0)
+    """Modal damping ratio of all modes."""
+    quasi_static_frequency: float = _declared("Hz", 1e9, 0.0, 1e9)
+    """Frequency above which modes follow their load without inertia."""
+    spectral_radius: float = _declared("1", 0.6, 0.0, 1.0)
+    """Spectral radius of the modes' time integrator at infinite frequency."""
+
+
 SCALARS = (
     ("kinetic_energy", "J", "Kinetic energy of the block, including its modes", 1e-3),
     ("elastic_energy", "J", "Elastic energy of modes and mounts", 1e-3),
@@ -79,16 +53,16 @@ def words(name: str) -> str:
     return name.replace("_", " ").capitalize()
 
 
-def ports(cylinders: int, names: Any) -> tuple[str, ...]:
-    """Return the full names of these variables for all cylinders."""
-    return tuple(f"cylinder_{k}.{name}" for k in range(1, cylinders + 1) for name in names)
+def ports(cylinders: int, kind: type) -> tuple[str, ...]:
+    """Return the full names of the variables of a named tuple for all cylinders."""
+    return tuple(
+        f"{cylinder.prefix}{name}" for cylinder in each(cylinders) for name in kind._fields
+    )
 
 
-def of_cylinders(make: Any, cylinders: int, rows: Any) -> list[Variable]:
-    """Return the variables of these rows, name -> arguments of `make`, for all cylinders."""
-    return [
-        make(f"cylinder_{k + 1}.{n}", *row) for k in range(cylinders) for n, row in rows.items()
-    ]
+def each(cylinders: int, grid: tuple[int, int] = (0, 0)) -> list[FilmGrid]:
+    """Return the prefix of each cylinder's variables and the shape of its fields."""
+    return [FilmGrid(f"cylinder_{k}.", grid) for k in range(1, cylinders + 1)]
 
 
 def vectors() -> list[Variable]:
@@ -103,18 +77,17 @@ def vectors() -> list[Variable]:
 
 def variables(cylinders: int, mounts: int, grid: tuple[int, int]) -> list[Variable]:
     """Return the variables of a block, with a grid of angles and heights on each bore."""
-    force = ("N", f"Outward force of film and gas on the bore, {ON_GRID}", 0.0, 10.0, grid)
-    deflection = ("m", f"Outward deflection of the bore, {ON_GRID}", 1e-5, grid)
+    films = each(cylinders, grid)
     springs = [
         (f"mount_{k}_stiffness_{axis}", "N/m", f"Stiffness of mount {k} along {axis}")
         for k in range(1, mounts + 1)
         for axis in AXES
     ]
     return [
-        *of_cylinders(input_variable, cylinders, FORCES | {ON_BORE: force}),
+        *(one for film in films for one in declared(input_variable, Cylinder, *film)),
         *(parameter(*spring, 0.0, 0.0, 1e20) for spring in springs),
-        *(parameter(*row) for row in SETTINGS),
-        *of_cylinders(output_variable, cylinders, MOTIONS | {DEFLECTION: deflection}),
+        *declared_parameters([Parameters]),
+        *(one for film in films for one in declared(output_variable, CylinderMotion, *film)),
         *vectors(),
         *(output_variable(*row) for row in SCALARS),
         constant("cylinders", cylinders, "Number of cylinders"),

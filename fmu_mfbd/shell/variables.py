@@ -1,8 +1,7 @@
 """Variables of the shell FMU."""
 
 from ...master.fmi.variables import Variable, input_variable, output_variable
-from ..dynamics.build_options import FilmGrid
-from ..variables import PIN_FORCES, PIN_INPUTS, on_grid
+from ..variables import PIN_FORCES, PinInputs, declared
 
 DEFLECTION = "bore_deflection"
 SCALARS = (
@@ -19,9 +18,9 @@ SCALARS = (
 
 def variables(grid: tuple[int, int]) -> list[Variable]:
     """Return the variables of a shell under a film on a grid of cells around and along it."""
-    film = FilmGrid("", grid)
+    forces = declared(input_variable, PinInputs, shape=grid)
     return [
-        *on_grid(input_variable, film, tuple(row for row in PIN_INPUTS if row[0] in PIN_FORCES)),
+        *(one for one in forces if one.name in PIN_FORCES),
         output_variable(DEFLECTION, "m", "Outward deflection of the bore", 1e-5, grid),
         *(output_variable(*row) for row in SCALARS),
     ]

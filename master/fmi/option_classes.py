@@ -5,20 +5,17 @@ part. Bounds of a quantity with a unit are `ge`, `gt`, `le`, `lt`, in SI. The de
 key is the text below it in its class, which is read when a schema is requested.
 """
 
-import ast
-import inspect
 import re
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
-from functools import cache
-from itertools import pairwise, takewhile
-from textwrap import dedent
+from itertools import takewhile
 from typing import Annotated, Any, TypeGuard, TypeVar, cast, get_args
 
 from pydantic import BaseModel, Strict, ValidationError
 
 from .errors import BadInput, unknown
+from .texts import texts_below
 
 Schema = Mapping[str, Any]
 Options = TypeVar("Options", bound=BaseModel)
@@ -60,22 +57,9 @@ def with_meanings(schema: dict[str, Any], kind: type[BaseModel]) -> None:
     takes a tenth of a start, and only `keys` needs it.
     """
     for one in reversed(kind.__mro__[: kind.__mro__.index(BaseModel)]):
-        for name, meaning in _texts_below(one).items():
+        for name, meaning in texts_below(one).items():
             if field := kind.model_fields.get(name):
                 schema["properties"][field.alias or name]["description"] = meaning
-
-
-@cache
-def _texts_below(kind: type) -> dict[str, str]:
-    """Return the text below each annotated name of a class that has one."""
-    (found,) = ast.parse(dedent(inspect.getsource(kind))).body
-    assert isinstance(found, ast.ClassDef)
-    texts: dict[str, str] = {}
-    for one, below in pairwise(found.body):
-        if isinstance(one, ast.AnnAssign) and isinstance(below, ast.Expr):
-            assert isinstance(one.target, ast.Name) and isinstance(below.value, ast.Constant)
-            texts[one.target.id] = inspect.cleandoc(str(below.value.value))
-    return texts
 
 
 def validated(kind: type[Options], options: Mapping[str, Any]) -> Options:

@@ -109,8 +109,10 @@ from .element import ForceElement, PointForce, PointMotion, declared
 
 @dataclass(frozen=True)
 class MagnetParameters:
-    magnet_force: float = declared("N", "Force of the magnet; 0: no magnet", 0.0, -1e4, 1e4)
-    magnet_reach: float = declared("m", "Distance of the magnet", 1e-3, 1e-4, 1.0)
+    magnet_force: float = declared("N", 0.0, -1e4, 1e4)
+    "Force of the magnet; 0: no magnet."
+    magnet_reach: float = declared("m", 1e-3, 1e-4, 1.0)
+    "Distance of the magnet."
 
 
 @compilable
@@ -141,8 +143,10 @@ from .element import ForceElement, PointForce, PointMotion, declared
 
 @dataclass(frozen=True)
 class BushingParameters:
-    bushing_stiffness: float = declared("N/m", "Stiffness of the bushings", 0.0, 0.0, 1e9)
-    bushing_damping: float = declared("N.s/m", "Damping of the bushings", 0.0, 0.0, 1e6)
+    bushing_stiffness: float = declared("N/m", 0.0, 0.0, 1e9)
+    "Stiffness of the bushings."
+    bushing_damping: float = declared("N.s/m", 0.0, 0.0, 1e6)
+    "Damping of the bushings."
 
 
 @compilable

@@ -200,7 +200,7 @@ def pushes(n, size=1.0):
     for k in range(2):
         x, y, turn, bx, by, deck = size * 1e3 * rng.standard_normal(6)
         bore = size * 10.0 * rng.standard_normal((24, 24))
-        out.append(Cylinder(x, y, 0.1 * turn, bx, by, bore, deck + 100.0 * k))
+        out.append(Cylinder(x, y, 0.1 * turn, bx, by, deck + 100.0 * k, bore))
     return out
 
 

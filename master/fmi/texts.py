@@ -1,0 +1,25 @@
+"""Texts below the annotated names of a class, which describe them."""
+
+import ast
+import inspect
+import sys
+from functools import cache
+from itertools import pairwise
+
+
+@cache
+def texts_below(kind: type) -> dict[str, str]:
+    """Return the text below each annotated name of a class that has one."""
+    texts: dict[str, str] = {}
+    for one, below in pairwise(_classes_of(kind.__module__)[kind.__name__].body):
+        if isinstance(one, ast.AnnAssign) and isinstance(below, ast.Expr):
+            assert isinstance(one.target, ast.Name) and isinstance(below.value, ast.Constant)
+            texts[one.target.id] = inspect.cleandoc(str(below.value.value))
+    return texts
+
+
+@cache
+def _classes_of(module: str) -> dict[str, ast.ClassDef]:
+    """Return the classes in the source of a module, by name."""
+    tree = ast.parse(inspect.getsource(sys.modules[module]))
+    return {one.name: one for one in ast.walk(tree) if isinstance(one, ast.ClassDef)}
