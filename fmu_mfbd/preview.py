@@ -14,7 +14,7 @@ import numpy as np
 from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Message, Preview
 from ..master.fmi.symmetry import rejection
-from .body_options import Block, Piston, RigidBlock, RigidPiston
+from .body_options import Block, Piston
 from .build import (
     boss_films,
     eye_film,
@@ -38,7 +38,7 @@ from .dynamics.parameters import (
 from .dynamics.pin_axis import pin_beam, pin_span
 from .dynamics.thermal_growth import Radii
 from .finite_elements.connections import aspect_ratios
-from .finite_elements.element import mass_properties, rigid_mass
+from .finite_elements.element import rigid_mass
 from .finite_elements.mesh import Mesh, MeshFault
 from .geometry.grid import cell_centres
 from .geometry.profile import HotShape
@@ -61,9 +61,7 @@ from .preview_temperatures import (
 )
 from .reducing import hot_shapes
 from .reduction.bosses import boss_readings
-from .reduction.geometry import block_faults, cylinder_faults, pin_bore, piston_faults
-from .reduction.interpolation import covered
-from .reduction.reduce import ends, faults_of_modes, read_body, refuse
+from .reduction.reduce import faults_of_modes, placed_block, placed_piston, read_body
 from .reduction.reduced_body import SMALL_END, MeshProperties, ReducedBlock, load
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.shell import film_shell, shell_mesh
@@ -219,33 +217,15 @@ def _piston(build: Build, warnings: list[str]) -> BodyPreview:
             warnings.append(f"{options.reduced}: does not say where the skirt is: film everywhere")
         return BodyPreview(body, skirt)
     mesh = read_body(options, warnings.append)
-    mass = None
-    if mesh.material:
-        mass = mass_properties(rigid_mass(mesh.points, mesh.tets, mesh.material.density))
-        found = piston_faults(mesh, mass.mass, options.pin_offset)
-    else:
-        found = cylinder_faults(mesh, "skirt")
-    refuse(found, options)
-    lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
-    angle, height = cell_centres(*build.grid, lower, upper)
+    placed = placed_piston(mesh, options, build.grid, None)
     films = boss_films(build)
-    faults_of_modes(mesh, options, "pin_bore", "skirt", angle, height, films)
+    faults_of_modes(mesh, options, "pin_bore", "skirt", placed.angle, placed.height, films)
     tie = tie_of(mesh, options, films is not None) if options.modes else ""
     length = pin_layer(mesh, options.boss_length).length if tie == "sliding" else None
     if films:
-        axis, _ = pin_bore(mesh)
-        boss_readings(mesh, mesh.points - np.array([axis.first, 0.0, 0.0]), films)
-    x, _, z = mesh.points[mesh.nodes("skirt")].T
-    radius = float(np.hypot(x, z).mean())
-    there = covered(mesh.points, mesh.faces["skirt"], angle, height, radius)
-    sheet = RigidPiston.model_construct(
-        mass=mass.mass if mass else np.nan,
-        centre=tuple(mass.centre[:2]) if mass else (np.nan, np.nan),
-        inertia=mass.inertia[2, 2] if mass else np.nan,
-        radius=radius,
-    )
-    rigid = options.model_copy(update={"rigid": sheet, "skirt_lower": lower, "skirt_upper": upper})
-    return BodyPreview(rigid_piston(rigid, build.grid), there, mesh, tie, length)
+        boss_readings(mesh, placed.position, films)
+    body = placed.body.about(options.pin_offset)
+    return BodyPreview(body, placed.skirt, mesh, tie, length)
 
 
 def _block(build: Build, warnings: list[str]) -> BodyPreview:
@@ -256,15 +236,9 @@ def _block(build: Build, warnings: list[str]) -> BodyPreview:
     if options.reduced:
         return BodyPreview(load(ReducedBlock, Path(options.reduced)))
     mesh = read_body(options, warnings.append)
-    refuse(block_faults(mesh), options)
-    lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
-    angle, _ = cell_centres(build.grid[0], 1, 0.0, 1.0)
-    heights = np.linspace(lower, upper, options.stations)
-    faults_of_modes(mesh, options, "bolts", "bore", angle, heights)
-    x, _, z = mesh.points[mesh.nodes("bore")].T
-    sheet = RigidBlock.model_construct(radius=float(np.hypot(x, z).mean()))
-    rigid = options.model_copy(update={"rigid": sheet, "bore_lower": lower, "bore_upper": upper})
-    return BodyPreview(rigid_block(rigid, build.grid), None, mesh)
+    placed = placed_block(mesh, options, build.grid)
+    faults_of_modes(mesh, options, "bolts", "bore", placed.angle, placed.height)
+    return BodyPreview(placed.body, None, mesh)
 
 
 def _of_piston(build: Build, piston: BodyPreview) -> list[Figure]:

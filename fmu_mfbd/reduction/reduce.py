@@ -59,6 +59,8 @@ from .ties import held_piston
 from .training import trained_shapes
 from .truncation import StaticModes, edge_error, left_out, smooth_error
 
+NO_MASS = np.full((6, 6), np.nan)
+"""Mass matrix that is not known."""
 Say = Callable[[str], None]
 Grid = tuple[int, int]
 
@@ -120,6 +122,33 @@ class Basis(NamedTuple):
     left_out: MissingShapes
 
 
+class Placed(NamedTuple):
+    """Body on the lines of its film grid, before it has modes.
+
+    Parameters
+    ----------
+    body : ReducedPiston or ReducedBlock
+        Without modes.
+    position : ndarray, shape (n, 3)
+        Nodes from the body's origin [m].
+    angle, height : ndarray
+        Lines of the grid [rad], [m].
+    reading : SurfaceReading
+    rigid_mass : ndarray, shape (6, 6)
+        Eq. (J8); nan for matrices that are not read.
+    skirt : ndarray of bool
+        As of `MeshProperties`.
+    """
+
+    body: Any
+    position: np.ndarray
+    angle: np.ndarray
+    height: np.ndarray
+    reading: SurfaceReading
+    rigid_mass: np.ndarray
+    skirt: np.ndarray
+
+
 class CylinderReading(NamedTuple):
     """Mean radius of a cylindrical surface [m], and the matrices that read it on a grid."""
 
@@ -160,28 +189,18 @@ def reduce_piston(
     """
     mesh = read_body(options, progress)
     full = _matrices(mesh, options, progress)
-    mass = _rigid_mass(mesh, mesh.points, full)[0, 0]
-    refuse(piston_faults(mesh, mass, options.pin_offset), options)
-    lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
-    progress(f"skirt from {1e3 * lower:.4g} to {1e3 * upper:.4g} mm about the pin, {mass:.4g} kg")
-    axis, _ = pin_bore(mesh)
-    position = mesh.points - np.array([axis.first, 0.0, 0.0])
-    around, along = grid
-    angle, height = cell_centres(around, along, lower, upper)
-    surface = film_surface(mesh, "skirt", angle, height)
-    there = covered(mesh.points, mesh.faces["skirt"], angle, height, surface.radius)
+    body, position, angle, height, reading, mass, there = placed_piston(mesh, options, grid, full)
+    progress(
+        f"skirt from {1e3 * body.skirt_lower:.4g} to {1e3 * body.skirt_upper:.4g} mm about the "
+        f"pin, {body.mass:.4g} kg"
+    )
     if not there.all():
         progress(
             f"{np.count_nonzero(~there)} of {there.size} cells of the film grid have no skirt "
             "under them, and no film"
         )
-    properties = MeshProperties(_rigid_mass(mesh, position, full), around, there)
-    cylinder: dict[str, Any] = dict(
-        radius=surface.radius, skirt_lower=lower, skirt_upper=upper, pin_offset=axis.first
-    )
+    properties = MeshProperties(mass, len(angle), there)
     if not options.modes:
-        cylinder |= rigid_integrals(properties.rigid_mass) | no_modes_in_motion(around * along)
-        body = ReducedPiston(**cylinder)
         return Reduced(body, _anatomy(mesh, position), properties)
     assert full  # of a flexible body
     _, K, M = full
@@ -200,7 +219,7 @@ def reduce_piston(
     film_forces = training.loads.film if training else None
     film = FilmSide(
         "skirt",
-        surface.reading,
+        reading,
         angle,
         height,
         ALONG["skirt"],
@@ -211,18 +230,47 @@ def reduce_piston(
     )
     modes, left = _modes(mesh, elastic, options, film, loads, progress)
     shapes = modes.shapes.reshape(len(position), 3, len(modes.omega))
-    body = ReducedPiston(
+    body = replace(
+        body,
         **floating_frame_integrals(M, position, shapes)._asdict(),
         omega=modes.omega,
         kind=modes.kind,
         gas_force=modes.shapes.T @ gas.ravel(),
-        radial=surface.reading.radial @ modes.shapes,
-        axial=surface.reading.axial @ modes.shapes,
-        **cylinder,
+        radial=reading.radial @ modes.shapes,
+        axial=reading.axial @ modes.shapes,
     )
     anatomy = _anatomy(mesh, position, shapes)
     in_bosses = _in_bosses(read, modes.shapes, bosses.grid) if read and bosses else None
     return Reduced(body, anatomy, properties, left, in_bosses)
+
+
+def placed_piston(mesh: Mesh, options: Piston, grid: Grid, full: FullModel | None) -> Placed:
+    """Return a piston on its film grid, without modes.
+
+    Raises
+    ------
+    MeshFault
+        If position, size or density of the mesh are wrong.
+    """
+    mass = _rigid_mass(mesh, mesh.points, full)[0, 0]
+    refuse(piston_faults(mesh, mass, options.pin_offset), options)
+    axis, _ = pin_bore(mesh)
+    position = mesh.points - np.array([axis.first, 0.0, 0.0])
+    inertia = _rigid_mass(mesh, position, full)
+    lower, upper = ends(mesh, "skirt", options.skirt_lower, options.skirt_upper)
+    angle, height = cell_centres(*grid, lower, upper)
+    radius, reading = film_surface(mesh, "skirt", angle, height)
+    rest: dict[str, Any] = no_modes_in_motion(len(angle) * len(height))
+    body = ReducedPiston(
+        **rigid_integrals(inertia),
+        **rest,
+        radius=radius,
+        skirt_lower=lower,
+        skirt_upper=upper,
+        pin_offset=axis.first,
+    )
+    skirt = covered(mesh.points, mesh.faces["skirt"], angle, height, radius)
+    return Placed(body, position, angle, height, reading, inertia, skirt)
 
 
 def _in_bosses(bosses: Shells, shapes: np.ndarray, grid: Grid) -> ReducedBosses:
@@ -262,18 +310,9 @@ def reduce_block(
     """
     mesh = read_body(options, progress)
     full = _matrices(mesh, options, progress)
-    refuse(block_faults(mesh), options)
-    around, along = grid
-    angle, _ = cell_centres(around, along, 0.0, 1.0)
-    lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
-    heights = np.linspace(lower, upper, options.stations)
-    surface = film_surface(mesh, "bore", angle, heights)
-    no_skirt = np.zeros((around, 0), dtype=bool)
-    properties = MeshProperties(_rigid_mass(mesh, mesh.points, full), around, no_skirt)
-    cylinder: dict[str, Any] = dict(heights=heights, radius=surface.radius)
+    body, _, angle, heights, reading, _, no_skirt = placed_block(mesh, options, grid)
+    properties = MeshProperties(_rigid_mass(mesh, mesh.points, full), len(angle), no_skirt)
     if not options.modes:
-        cylinder |= no_modes(around, len(heights))
-        body = ReducedBlock(**cylinder)
         return Reduced(body, _anatomy(mesh, mesh.points), properties)
     assert full  # of a flexible body
     _, K, M = full
@@ -282,19 +321,37 @@ def reduce_block(
     elastic = Elastic(K, M, mesh.nodes("bolts"), factors)
     del K
     film_forces = on_stations(training.loads, training.rows, heights) if training else None
-    film = FilmSide("bore", surface.reading, angle, heights, ALONG["bore"], everywhere, film_forces)
+    film = FilmSide("bore", reading, angle, heights, ALONG["bore"], everywhere, film_forces)
     no_loads = np.empty((3 * len(mesh.points), 0))
     modes, left = _modes(mesh, elastic, options, film, no_loads, progress)
     shapes = modes.shapes.reshape(len(mesh.points), 3, len(modes.omega))
-    table = (around, len(heights), len(modes.omega))
-    body = ReducedBlock(
+    table = (len(angle), len(heights), len(modes.omega))
+    body = replace(
+        body,
         omega=modes.omega,
         kind=modes.kind,
-        radial=(surface.reading.radial @ modes.shapes).reshape(table),
-        axial=(surface.reading.axial @ modes.shapes).reshape(table),
-        **cylinder,
+        radial=(reading.radial @ modes.shapes).reshape(table),
+        axial=(reading.axial @ modes.shapes).reshape(table),
     )
     return Reduced(body, _anatomy(mesh, mesh.points, shapes), properties, left)
+
+
+def placed_block(mesh: Mesh, options: Block, grid: Grid) -> Placed:
+    """Return a block on the table of its bore, without modes and without its mass.
+
+    Raises
+    ------
+    MeshFault
+        If position or size of the mesh are wrong.
+    """
+    refuse(block_faults(mesh), options)
+    lower, upper = ends(mesh, "bore", options.bore_lower, options.bore_upper)
+    angle, _ = cell_centres(*grid, 0.0, 1.0)
+    heights = np.linspace(lower, upper, options.stations)
+    radius, reading = film_surface(mesh, "bore", angle, heights)
+    body = ReducedBlock(**no_modes(len(angle), len(heights)), heights=heights, radius=radius)
+    no_skirt = np.zeros((len(angle), 0), dtype=bool)
+    return Placed(body, mesh.points, angle, heights, reading, NO_MASS, no_skirt)
 
 
 def refuse(faults: list[str], options: Piston | Block) -> None:
@@ -322,9 +379,12 @@ def _matrices(mesh, options, progress):
 
 
 def _rigid_mass(mesh, position, full):
-    """Return the mass matrix of the rigid motions about the origin of `position`, Eq. (J8)."""
+    """Return the mass matrix of the rigid motions about the origin of `position`, Eq. (J8).
+
+    It is unknown for a body of matrices that are not read.
+    """
     if full is None:
-        return rigid_mass(position, mesh.tets, mesh.material.density)
+        return rigid_mass(position, mesh.tets, mesh.material.density) if mesh.material else NO_MASS
     rigid = rigid_motions(position)
     return rigid.T @ (full.M @ rigid)
 
