@@ -1,5 +1,6 @@
 """Build options of one body: its source, modes, surfaces and measured shapes."""
 
+from collections.abc import Iterable
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import (
@@ -117,10 +118,25 @@ Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False, json_schema_extra=with_meanings)
 
 
-class PlacedMesh(BaseModel):
-    """Part, unit and axes of a mesh file."""
+class Options(BaseModel):
+    """Table of options."""
 
     model_config = STRICT
+
+    @model_validator(mode="after")
+    def _consistent(self):
+        if faults := self.contradictions():
+            raise ValueError("\n".join(faults))
+        return self
+
+    def contradictions(self) -> list[str]:
+        """Return a sentence for each fault of several keys together."""
+        return []
+
+
+class PlacedMesh(Options):
+    """Part, unit and axes of a mesh file."""
+
     mesh_unit: Annotated[LengthUnit, Field(gt=0)] = 1.0
     """Length unit of the mesh file, e.g. "1 mm"."""
     axes: tuple[Direction, Direction, Direction] = ("x", "y", "z")
@@ -134,21 +150,20 @@ class PlacedMesh(BaseModel):
     physical volume, group or Nastran property. Default: the whole file.
     """
 
-    @model_validator(mode="after")
-    def _part_of_mesh(self):
+    def contradictions(self) -> list[str]:
+        """Return the fault of a part without a mesh."""
         mesh = getattr(self, "mesh", None)
-        if self.part is not None and (mesh is None or mesh.endswith(".csv")):
-            raise ValueError(f"part: expected it with a mesh of elements, got mesh = {mesh!r}")
-        return self
+        if self.part is None or mesh and not mesh.endswith(".csv"):
+            return []
+        return [f"part: expected it with a mesh of elements, got mesh = {mesh!r}"]
 
 
-class Surface(BaseModel):
+class Surface(Options):
     """Surface defined by geometry, in the project's axes.
 
     It is a cylinder about y with its ends, a bore about z, or a plane across y.
     """
 
-    model_config = STRICT
     shape: Literal["cylinder", "bore", "plane"]
     """Cylinder about y with ends, bore about z of any length, or plane across y."""
     radius: Length | None = None
@@ -162,17 +177,14 @@ class Surface(BaseModel):
     height: Length | None = None
     """Height of a plane, from the same origin."""
 
-    @model_validator(mode="after")
-    def _complete(self):
+    def contradictions(self) -> list[str]:
+        """Return the missing keys of the shape."""
         needed = {
             "cylinder": ("radius", "lower", "upper"),
             "bore": ("radius",),
             "plane": ("height",),
         }
-        for key in needed[self.shape]:
-            if getattr(self, key) is None:
-                raise ValueError(f"{key}: expected a value for a {self.shape}, got nothing")
-        return self
+        return missing_keys(self, needed[self.shape], f"for a {self.shape}")
 
     def region(self) -> Region:
         """Return the surface as `mesh.read_mesh` takes it."""
@@ -181,10 +193,9 @@ class Surface(BaseModel):
         return regions[self.shape](**given)
 
 
-class RigidPiston(BaseModel):
+class RigidPiston(Options):
     """Data sheet of a rigid piston."""
 
-    model_config = STRICT
     mass: Annotated[Mass, Field(gt=0)]
     """Mass without the pin."""
     centre: tuple[Length, Length]
@@ -195,18 +206,16 @@ class RigidPiston(BaseModel):
     """Radius of the skirt."""
 
 
-class RigidBlock(BaseModel):
+class RigidBlock(Options):
     """Data sheet of a rigid block."""
 
-    model_config = STRICT
     radius: Annotated[Length, Field(gt=0)]
     """Radius of the bore."""
 
 
-class MaterialOptions(BaseModel):
+class MaterialOptions(Options):
     """Material of a set of elements. An omitted value is that of the body or of the mesh file."""
 
-    model_config = STRICT
     density: Annotated[Density, Field(ge=500, le=25000)] | None = None
     """Density of the material."""
     young: Annotated[Pressure, Field(ge=1e8, le=1e12)] | None = None
@@ -217,10 +226,9 @@ class MaterialOptions(BaseModel):
     """Coefficient of thermal expansion."""
 
 
-class NodeDisplacements(BaseModel):
+class NodeDisplacements(Options):
     """Displacements at the nodes of the mesh, see `node_values.read_node_values`."""
 
-    model_config = STRICT
     file: Annotated[str, FILE]
     """Results of another program (.csv, .vtu, .frd) with the displacement of each node."""
     length_unit: Annotated[LengthUnit, Field(gt=0)]
@@ -229,10 +237,9 @@ class NodeDisplacements(BaseModel):
     """Name of the displacement in a .vtu or .frd. Default: the only one, DISP for .frd."""
 
 
-class TemperatureField(BaseModel):
+class TemperatureField(Options):
     """Temperatures of the body, from which its own hot shape is computed."""
 
-    model_config = STRICT
     file: Annotated[str | None, FILE] = None
     """Results of another program (.csv, .vtu, .frd) with the temperature of each node."""
     table: Annotated[str | None, FILE] = None
@@ -249,12 +256,9 @@ class TemperatureField(BaseModel):
     field: str | None = None
     """Name of the temperature in a .vtu or .frd. Default: the only one, NDTEMP for .frd."""
 
-    @model_validator(mode="after")
-    def _source(self):
-        if (self.file is None) == (self.table is None):
-            got = "both" if self.file else "neither"
-            raise ValueError(f"expected either file or table, got {got}")
-        return self
+    def contradictions(self) -> list[str]:
+        """Return the fault of no source, or two."""
+        return either(self, "file", "table")
 
 
 class Body(PlacedMesh, MaterialOptions):
@@ -333,51 +337,62 @@ class Body(PlacedMesh, MaterialOptions):
     selection.
     """
 
-    @model_validator(mode="after")
-    def _source(self):
+    def contradictions(self) -> list[str]:
+        """Return the faults of source, basis and heat."""
+        faults = super().contradictions()
         sources = (self.mesh, self.reduced, self.rigid)
         if sum(source is not None for source in sources) != 1:
-            raise ValueError("expected one of mesh, reduced and rigid, got none or several")
+            return [*faults, "expected one of mesh, reduced and rigid, got none or several"]
         if self.rigid:
-            self._complete_sheet()
-        if self.reduced and (unused := self.model_fields_set - WITH_REDUCED):
-            keys = sorted(unused)
-            raise ValueError(
-                "\n".join(f"{key}: expected nothing with reduced, got a value" for key in keys)
-            )
+            faults += missing_keys(self, self.ENDS, "for a rigid body")
+            if "modes" in self.model_fields_set and self.modes:
+                faults.append(f"modes: expected 0 for a rigid body, got {self.modes}")
+        if self.reduced:
+            unused = sorted(self.model_fields_set - WITH_REDUCED)
+            faults += [f"{key}: expected nothing with reduced, got a value" for key in unused]
+        what, needed = "a mesh", ("density", "young", "poisson")
+        if self.stiffness or self.mass or (self.mesh or "").endswith(".csv"):
+            what = "a body of matrices"
+            needed = ("stiffness", "stiffness_unit", "mass", "mass_unit")
+        elif self._materials_of_file():
+            needed = ()
+        if self.mesh is not None:
+            faults += missing_keys(self, needed, f"with {what}")
+        return faults + self._faults_of_basis() + self._faults_of_heat(what)
+
+    def _faults_of_basis(self) -> list[str]:
+        """Return the faults of basis and number of modes."""
+        faults = []
         if (self.basis == "trained") != (self.train_on is not None):
-            raise ValueError("train_on: expected it with basis = 'trained' only, got one of both")
+            faults.append("train_on: expected it with basis = 'trained' only, got one of both")
         if isinstance(self.modes, float) and self.basis not in ("smooth_pressure_modes", "trained"):
-            raise ValueError(
+            faults.append(
                 f"modes: expected a number of modes with basis = '{self.basis}', got "
                 f"{self.modes:g}; "
                 "an error chooses the modes of 'smooth_pressure_modes' and 'trained'"
             )
-        if self.modes_from is not None:
-            self._check_selection(self.modes_from)
-        if self.stiffness or self.mass or (self.mesh or "").endswith(".csv"):
-            what = "a body of matrices"
-            needed = ("stiffness", "stiffness_unit", "mass", "mass_unit")
-        else:
-            what = "a mesh"
-            needed = () if self._materials_of_file() else ("density", "young", "poisson")
-        missing = [key for key in needed if getattr(self, key) is None]
-        if self.mesh is not None and missing:
-            raise ValueError(missing_keys(missing, f"with {what}"))
-        self._check_heat(what)
-        return self
+        lowest = ("craig_bampton", "characteristic_constraint_modes")
+        if self.modes_from is not None and self.basis not in lowest:
+            wanted = " or ".join(map(repr, lowest))
+            faults.append(f"modes_from: expected basis = {wanted}, got {self.basis!r}")
+        elif self.modes_from is not None and self.modes_from < self.modes:
+            got = self.modes_from
+            faults.append(f"modes_from: expected at least modes = {self.modes}, got {got}")
+        return faults
 
-    def _check_heat(self, source: str) -> None:
-        """Raise ValueError if the body cannot have the hot shape, or has two."""
+    def _faults_of_heat(self, source: str) -> list[str]:
+        """Return the faults of a body that cannot have the hot shape, or has two."""
+        faults = []
         if self.hot_shape and self.temperature_field:
-            raise ValueError("temperature_field: expected nothing with hot_shape, got a table")
+            faults.append("temperature_field: expected nothing with hot_shape, got a table")
         if self.has_hot_shape and self.shape == "hot":
-            raise ValueError("shape: expected 'cold' with a hot shape that adds to it, got 'hot'")
+            faults.append("shape: expected 'cold' with a hot shape that adds to it, got 'hot'")
         for key in ("hot_shape", "temperature_field", "materials"):
             if self.rigid and getattr(self, key):
-                raise ValueError(f"{key}: expected nothing with a data sheet, got a table")
+                faults.append(f"{key}: expected nothing with a data sheet, got a table")
             if source == "a body of matrices" and key != "hot_shape" and getattr(self, key):
-                raise ValueError(f"{key}: expected nothing with {source}, got a table")
+                faults.append(f"{key}: expected nothing with {source}, got a table")
+        return faults
 
     @property
     def is_hot(self) -> bool:
@@ -394,17 +409,6 @@ class Body(PlacedMesh, MaterialOptions):
         name = (self.mesh or "").removesuffix(".gz").removesuffix(".xz")
         return bool(self.materials) or name.endswith(WITH_MATERIALS)
 
-    def _check_selection(self, candidates: int) -> None:
-        """Raise ValueError unless `modes` can be selected from the lowest modes of the basis."""
-        lowest = ("craig_bampton", "characteristic_constraint_modes")
-        if self.basis not in lowest:
-            wanted = " or ".join(map(repr, lowest))
-            raise ValueError(f"modes_from: expected basis = {wanted}, got {self.basis!r}")
-        if candidates < self.modes:
-            raise ValueError(
-                f"modes_from: expected at least modes = {self.modes}, got {candidates}"
-            )
-
     def most_modes(self) -> int:
         """Return the largest number of modes that the body can have, before it is reduced."""
         if self.rigid:
@@ -412,19 +416,10 @@ class Body(PlacedMesh, MaterialOptions):
         known = isinstance(self.modes, int) and self.basis != "trained"
         return int(self.modes) if known else MOST_MODES
 
-    def _complete_sheet(self) -> None:
-        """Raise ValueError unless a data sheet has what it needs, and no modes."""
-        missing = [key for key in self.ENDS if getattr(self, key) is None]
-        if missing:
-            raise ValueError(missing_keys(missing, "for a rigid body"))
-        if "modes" in self.model_fields_set and self.modes:
-            raise ValueError(f"modes: expected 0 for a rigid body, got {self.modes}")
 
-
-class ShapeTable(BaseModel):
+class ShapeTable(Options):
     """Measured shape in a CSV file, see `tables.profile_table`."""
 
-    model_config = STRICT
     file: Annotated[str, FILE]
     """CSV file. The first row holds angles. Each further row holds a height and its values. Heights
     are above pin point A for the piston and above the crank axis for the block.
@@ -437,10 +432,9 @@ class ShapeTable(BaseModel):
     """Unit of the values."""
 
 
-class Order(BaseModel):
+class Order(Options):
     """Fourier order of a bore distortion, see `profile.fourier_bore`."""
 
-    model_config = STRICT
     order: Annotated[int, Field(ge=0, le=40)]
     """Fourier order: 0 growth, 1 offset of the axis, 2 ovality, 4 four bolts."""
     amplitude: Length
@@ -509,14 +503,13 @@ class Piston(Body):
     """Measured gaps that add to barrel and ovality."""
 
 
-class BoreFromOutside(BaseModel):
+class BoreFromOutside(Options):
     """Grid of a bore whose deflection another participant computes.
 
     Angles start at the thrust line like those of the film grid. Heights range from bore_lower to
     bore_upper.
     """
 
-    model_config = STRICT
     around: Annotated[int, Field(ge=8, le=400)] = 24
     """Number of angles."""
     axial: Annotated[int, Field(ge=8, le=400)] = 24
@@ -550,30 +543,31 @@ class Block(Body):
     @model_validator(mode="after")
     def _bore_of_outside(self):
         if self.bore_from_outside:
-            if not self.rigid:
-                raise ValueError(
-                    "rigid: expected a table with bore_from_outside, got nothing; the deflection "
-                    "of the bore is an input"
-                )
-            if "stations" in self.model_fields_set:
-                raise ValueError("stations: expected nothing with bore_from_outside, got a value")
             self.stations = self.bore_from_outside.axial
         return self
 
+    def contradictions(self) -> list[str]:
+        """Return also the faults of a bore whose deflection comes from outside."""
+        faults = super().contradictions()
+        if self.bore_from_outside and not self.rigid:
+            faults.append(
+                "rigid: expected a table with bore_from_outside, got nothing; the deflection "
+                "of the bore is an input"
+            )
+        if self.bore_from_outside and "stations" in self.model_fields_set:
+            faults.append("stations: expected nothing with bore_from_outside, got a value")
+        return faults
 
-def either(first: str, second: str) -> Any:
-    """Return a validator of an option class that needs exactly one of two keys."""
 
-    def validate(table: Any) -> Any:
-        has_both = getattr(table, first) is not None
-        if has_both == (getattr(table, second) is not None):
-            got = "both" if has_both else "neither"
-            raise ValueError(f"expected either {first} or {second}, got {got}")
-        return table
-
-    return model_validator(mode="after")(validate)
+def either(table: BaseModel, first: str, second: str) -> list[str]:
+    """Return a sentence unless a table has exactly one of two keys."""
+    has_both = getattr(table, first) is not None
+    if has_both != (getattr(table, second) is not None):
+        return []
+    return [f"expected either {first} or {second}, got {'both' if has_both else 'neither'}"]
 
 
-def missing_keys(keys: list[str], context: str) -> str:
-    """Return a line about each missing key."""
-    return "\n".join(f"{key}: expected a value {context}, got nothing" for key in keys)
+def missing_keys(table: BaseModel, keys: Iterable[str], context: str) -> list[str]:
+    """Return a sentence for each key without a value."""
+    missing = [key for key in keys if getattr(table, key) is None]
+    return [f"{key}: expected a value {context}, got nothing" for key in missing]

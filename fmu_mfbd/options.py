@@ -6,18 +6,14 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from pydantic import (
     BaseModel,
-    ConfigDict,
     Field,
-    field_validator,
-    model_validator,
 )
 
 from ..master.fmi.errors import BadInput
-from ..master.fmi.option_classes import Flag, validated, with_meanings
+from ..master.fmi.option_classes import Flag, validated
 from .body_options import (
     FILE,
     MOST_MODES,
-    STRICT,
     Angle,
     AngleUnit,
     AngularSpeedUnit,
@@ -27,6 +23,7 @@ from .body_options import (
     Inertia,
     Length,
     Number,
+    Options,
     Piston,
     PlacedMesh,
     Pressure,
@@ -41,10 +38,9 @@ from .geometry.pin_shapes import MOST
 from .temperature_options import Temperatures
 
 
-class Table(BaseModel):
+class Table(Options):
     """Table of two columns, in a CSV file (comma or semicolon) or as `points` in the case."""
 
-    model_config = STRICT
     file: Annotated[str | None, FILE] = None
     """CSV file with two columns."""
     points: list[tuple[float, float]] | None = None
@@ -52,13 +48,12 @@ class Table(BaseModel):
     strokes: Literal[2, 4] = 4
     """Number of strokes of a cycle."""
 
-    _source = either("file", "points")
-
-    @model_validator(mode="after")
-    def _long(self):
+    def contradictions(self) -> list[str]:
+        """Return the faults of source and length."""
+        faults = either(self, "file", "points")
         if self.points is not None and len(self.points) < 2:
-            raise ValueError(f"points: expected at least two points, got {len(self.points)}")
-        return self
+            faults.append(f"points: expected at least two points, got {len(self.points)}")
+        return faults
 
 
 class Gas(Table):
@@ -86,28 +81,28 @@ class Speed(Table):
     speed_unit: Annotated[AngularSpeedUnit, Field(gt=0)]
     """Unit of the second column, the crank speed."""
 
-    _over = either("time_unit", "angle_unit")
+    def contradictions(self) -> list[str]:
+        """Return the faults of a table over time or over crank angle."""
+        return super().contradictions() + either(self, "time_unit", "angle_unit")
 
 
-class FilmSurface(BaseModel):
+class FilmSurface(Options):
     """Rows of the film grid that a separate lubrication FMU covers."""
 
-    model_config = STRICT
     name: Annotated[str, Field(pattern="^[a-z][a-z0-9_]*$", max_length=40)]
     """Prefix of its variables, as in NAME.film_thickness."""
     rows: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]]
     """First and last row of `grid` along the skirt, counted from 1 at the lower edge."""
 
-    @field_validator("rows")
-    @classmethod
-    def _wide(cls, rows):
-        first, last = rows
-        if last - first + 1 < LEAST_ROWS:
-            raise ValueError(f"expected at least {LEAST_ROWS} rows, got {last - first + 1}")
-        return rows
+    def contradictions(self) -> list[str]:
+        """Return the fault of too few rows."""
+        first, last = self.rows
+        if last - first + 1 >= LEAST_ROWS:
+            return []
+        return [f"rows: expected at least {LEAST_ROWS} rows, got {last - first + 1}"]
 
 
-class BuildTable(BaseModel):
+class BuildTable(Options):
     """Build options of an FMU."""
 
     def faults(self, folder: Path) -> list[str]:
@@ -143,10 +138,9 @@ class SmallEnd(ElasticShell):
     """Surfaces defined by geometry (bore or plane), for a mesh file that does not name them."""
 
 
-class RingMesh(BaseModel):
+class RingMesh(Options):
     """Ring about z that is meshed without a mesh file."""
 
-    model_config = STRICT
     inside: Annotated[Length, Field(gt=0)]
     """Radius of the bore."""
     outside: Annotated[Length, Field(gt=0)]
@@ -162,18 +156,19 @@ class RingMesh(BaseModel):
     ] = (36, 2, 6)
     """Number of blocks of elements around, through the wall and along."""
 
-    @model_validator(mode="after")
-    def _thick(self):
+    def contradictions(self) -> list[str]:
+        """Return the faults of wall and arc."""
+        faults = []
         if self.outside <= self.inside:
-            raise ValueError(
+            faults.append(
                 f"outside: expected more than inside = {self.inside:g} m, got {self.outside:g} m"
             )
         if (least := 2 * np.pi / self.cells[0]) > self.held:
-            raise ValueError(
+            faults.append(
                 f"held: expected at least one block around, {np.degrees(least):.4g} deg, got "
                 f"{np.degrees(self.held):.4g} deg"
             )
-        return self
+        return faults
 
 
 class RoundShell(ElasticShell):
@@ -190,7 +185,9 @@ class RoundShell(ElasticShell):
     surfaces: dict[Literal["bore", "held"], Surface] = {}
     """Surfaces defined by geometry (bore or plane), for a mesh file that does not name them."""
 
-    _source = either("mesh", "ring")
+    def contradictions(self) -> list[str]:
+        """Return the faults of mesh or ring."""
+        return super().contradictions() + either(self, "mesh", "ring")
 
 
 class BearingShell(RoundShell):
@@ -209,14 +206,13 @@ def shell_faults(where: str, modes: int, grid: tuple[int, int]) -> list[str]:
     return [f"{where}modes: expected at most {most} for {around} x {along} cells, got {modes}"]
 
 
-class FloatingPin(BaseModel):
+class FloatingPin(Options):
     """Pin that rotates and moves on films in both bosses and in the small end.
 
     The surfaces boss_left, boss_right and small_end have the fields of a bearing. The skirt is then
     the surface skirt.
     """
 
-    model_config = STRICT
     grid: tuple[Count, Count] = (72, 8)
     """Number of cells around and along each of the three shells."""
     boss_length: Annotated[Length, Field(gt=0)]
@@ -235,13 +231,12 @@ class FloatingPin(BaseModel):
     """Mesh of a flexible small end. Default: rigid."""
 
 
-class CrankBearing(BaseModel):
+class CrankBearing(Options):
     """Film between the crank and the rod or block.
 
     Its surface has the fields of a bearing.
     """
 
-    model_config = STRICT
     grid: tuple[Count, Count] = (72, 8)
     """Number of cells around and along the shell."""
     length: Annotated[Length, Field(gt=0)]
@@ -252,13 +247,12 @@ class CrankBearing(BaseModel):
     """
 
 
-class MotionInSpace(BaseModel):
+class MotionInSpace(Options):
     """Rigid piston that also moves along its pin, rolls about x and yaws about y.
 
     The values complete a data sheet and refer to the centre of mass. A mesh needs no values.
     """
 
-    model_config = STRICT
     inertia_x: Annotated[Inertia, Field(gt=0)] | None = None
     """Moment of inertia about x."""
     inertia_y: Annotated[Inertia, Field(gt=0)] | None = None
@@ -274,7 +268,6 @@ LEAST_ROWS = 4
 class Common(BuildTable):
     """Options in addition to those of the bodies."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=with_meanings)
     grid: tuple[Count, Count] = (40, 40)
     """Number of cells around and along the skirt."""
     gas: Gas | None = None
@@ -311,16 +304,15 @@ class Common(BuildTable):
     inputs, and receives force_on_block_x and other outputs.
     """
 
-    @model_validator(mode="after")
-    def _of_floating_pin(self):
+    def contradictions(self) -> list[str]:
+        """Return the faults of shells and film surfaces."""
+        faults = []
         if self.floating_pin and (eye := self.floating_pin.small_end):
-            where, grid = "floating_pin.small_end.", self.floating_pin.grid
-            if faults := shell_faults(where, eye.modes, grid):
-                raise ValueError("\n".join(faults))
+            faults += shell_faults("floating_pin.small_end.", eye.modes, self.floating_pin.grid)
         for name, one in self.crank_films().items():
-            if one.shell and (faults := shell_faults(f"{name}.shell.", one.shell.modes, one.grid)):
-                raise ValueError("\n".join(faults))
-        return self
+            if one.shell:
+                faults += shell_faults(f"{name}.shell.", one.shell.modes, one.grid)
+        return faults + self._faults_of_surfaces()
 
     def crank_films(self) -> dict[str, CrankBearing]:
         """Return the films of the crank, by surface."""
@@ -335,28 +327,27 @@ class Common(BuildTable):
                 faults += _faults_of_ends(name, body, surface)
         return faults
 
-    @model_validator(mode="after")
-    def _apart(self):
+    def _faults_of_surfaces(self) -> list[str]:
+        """Return the faults of names and rows of the skirt's film surfaces."""
         _, along = self.grid
         taken = {*(PIN_SURFACES if self.floating_pin else ()), *self.crank_films()}
         below = 0
+        faults = []
         for k, surface in enumerate(self.film_surfaces):
             first, last = surface.rows
             where = f"film_surfaces.{k}"
             if surface.name in taken:
-                raise ValueError(f"{where}.name: expected a new name, got {surface.name!r}")
+                faults.append(f"{where}.name: expected a new name, got {surface.name!r}")
             if first <= below:
-                raise ValueError(
+                faults.append(
                     f"{where}.rows: expected rows above {below}, the end of the surface before, "
                     f"got {[first, last]}"
                 )
             if last > along:
-                raise ValueError(
-                    f"{where}.rows: expected at most {along} rows, got {[first, last]}"
-                )
+                faults.append(f"{where}.rows: expected at most {along} rows, got {[first, last]}")
             taken.add(surface.name)
             below = last
-        return self
+        return faults
 
 
 class Bodies(Common):
@@ -371,11 +362,12 @@ class Bodies(Common):
     Surfaces: bore, bolts.
     """
 
-    @model_validator(mode="after")
-    def _any(self):
+    def contradictions(self) -> list[str]:
+        """Return also the fault of no body."""
+        faults = super().contradictions()
         if self.piston is None and self.block is None:
-            raise ValueError("build: expected a table piston, block or both, got nothing")
-        return self
+            faults.append("build: expected a table piston, block or both, got nothing")
+        return faults
 
 
 class Build(Common):
@@ -390,46 +382,25 @@ class Build(Common):
     Surfaces: bore, bolts.
     """
 
-    @model_validator(mode="after")
-    def _beside_a_bore_from_outside(self):
+    def contradictions(self) -> list[str]:
+        """Return also the faults of options that do not go together."""
+        faults = super().contradictions()
         if self.block.bore_from_outside and not self.mounted:
-            raise ValueError("mounted: expected true with block.bore_from_outside, got false")
-        return self
-
-    @model_validator(mode="after")
-    def _beside_fields_of_temperature(self):
+            faults.append("mounted: expected true with block.bore_from_outside, got false")
         others = {
             "motion_in_space": self.motion_in_space,
             "block.bore_from_outside": self.block.bore_from_outside,
         }
         walls = self.temperatures and (self.temperatures.skirt, self.temperatures.bore)
-        if walls and any(wall.input for wall in walls):
-            if found := [name for name, given in others.items() if given]:
-                got = " and ".join(found)
-                raise ValueError(f"temperatures: expected no input with {got}, got one")
-        return self
-
-    @model_validator(mode="after")
-    def _beside_motion_in_space(self):
+        rejecting = [name for name, option in others.items() if option]
+        if walls and any(wall.input for wall in walls) and rejecting:
+            got = " and ".join(rejecting)
+            faults.append(f"temperatures: expected no input with {got}, got one")
         if self.motion_in_space:
-            faults = _faults_in_space(self, self.motion_in_space)
-            if faults:
-                raise ValueError("\n".join(faults))
-        return self
-
-    @model_validator(mode="after")
-    def _beside_a_floating_pin(self):
-        if not self.floating_pin:
-            return self
-        faults = []
-        if (self.piston.rigid or not self.piston.modes) and self.floating_pin.boss_modes:
-            got = self.floating_pin.boss_modes
-            faults.append(f"floating_pin.boss_modes: expected 0 for a rigid piston, got {got}")
-        elif not self.piston.rigid and self.piston.modes:
+            faults += _faults_in_space(self, self.motion_in_space)
+        if self.floating_pin:
             faults += _faults_of_bosses(self.piston, self.floating_pin.boss_modes)
-        if faults:
-            raise ValueError("\n".join(faults))
-        return self
+        return faults
 
 
 IN_SPACE = "its equations are those of a rigid piston on a tied pin in a block at rest"
@@ -463,9 +434,8 @@ def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
             for name in sorted(space.model_fields_set)
         ]
     if space.inertia_x is None or space.inertia_y is None:
-        names = ("inertia_x", "inertia_y")
-        keys = [f"motion_in_space.{name}" for name in names if getattr(space, name) is None]
-        return [*faults, missing_keys(keys, "with a rigid piston")]
+        missing = missing_keys(space, ("inertia_x", "inertia_y"), "with a rigid piston")
+        return faults + [f"motion_in_space.{one}" for one in missing]
     low, middle, high = sorted((space.inertia_x, space.inertia_y, sheet.inertia))
     if high > (1 + 1e-9) * (low + middle):
         faults.append(
@@ -476,7 +446,10 @@ def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
 
 
 def _faults_of_bosses(piston: Piston, boss_modes: int) -> list[str]:
-    """Return the faults of the flexible bosses of a piston."""
+    """Return the faults of the bosses of a piston on a floating pin."""
+    if piston.rigid or not piston.modes:
+        got = f"expected 0 for a rigid piston, got {boss_modes}"
+        return [f"floating_pin.boss_modes: {got}"] if boss_modes else []
     faults = []
     if isinstance(piston.modes, float):
         if not boss_modes:

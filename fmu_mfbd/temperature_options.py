@@ -2,11 +2,11 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from ..master.fmi.option_classes import Flag
 from ..master.fmi.quantities import in_unit
-from .body_options import FILE, STRICT, AngleUnit, LengthUnit, missing_keys
+from .body_options import FILE, AngleUnit, LengthUnit, Options, missing_keys
 
 LOWEST, HIGHEST = 233.15, 573.15
 """Range of the temperature of a wall, as of the oil [K]."""
@@ -31,13 +31,12 @@ Temperature = Annotated[
 UNITS = ("angle_unit", "height_unit", "temperature_unit")
 
 
-class Wall(BaseModel):
+class Wall(Options):
     """Temperature of a wall: one value, two edges, a table, or a field input.
 
     Short forms: "120 degC" for `value`, ["110 degC", "150 degC"] for `edges`, "input" for `input`.
     """
 
-    model_config = STRICT
     value: Temperature | None = None
     """Even temperature of the wall. It is the start value of piston_temperature or
     bore_temperature.
@@ -69,29 +68,25 @@ class Wall(BaseModel):
             return {"edges": given}
         return given if isinstance(given, dict) else {"value": given}
 
-    @model_validator(mode="after")
-    def _one_form(self):
+    def contradictions(self) -> list[str]:
+        """Return the faults of the source and of its units."""
         forms = {name: getattr(self, name) for name in ("value", "edges", "file", "input")}
         given = [name for name, value in forms.items() if value]
         if len(given) != 1:
             got = " and ".join(given) or "nothing"
-            raise ValueError(f"expected one of value, edges, file and input, got {got}")
+            return [f"expected one of value, edges, file and input, got {got}"]
+        if self.file:
+            return missing_keys(self, UNITS, "with file")
         units = [name for name in UNITS if getattr(self, name) is not None]
-        if units and not self.file:
-            raise ValueError(f"{units[0]}: expected it with file only, got it with {given[0]}")
-        missing = [name for name in UNITS if name not in units]
-        if self.file and missing:
-            raise ValueError(missing_keys(missing, "with file"))
-        return self
+        return [f"{one}: expected it with file only, got it with {given[0]}" for one in units]
 
 
-class Temperatures(BaseModel):
+class Temperatures(Options):
     """Temperatures of both walls of the films on the skirt.
 
     They give the temperature of the oil and the growth of both walls.
     """
 
-    model_config = STRICT
     skirt: Wall
     """Temperature of the skirt."""
     bore: Wall

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field
 
 from ..body_options import (
     FILE,
@@ -56,28 +56,21 @@ class BuildMonoblock(PlacedMesh, BuildTable):
     mounts, and most compliant pressures on the bores.
     """
 
-    @field_validator("cylinder_z")
-    @classmethod
-    def _rising(cls, places):
+    def contradictions(self) -> list[str]:
+        """Return the faults of positions, ends and number of modes."""
+        faults = super().contradictions()
+        places = self.cylinder_z
         if any(a >= b for a, b in zip(places, places[1:])):
-            raise ValueError(f"expected rising places along the crank, got {list(places)}")
-        return places
-
-    @model_validator(mode="after")
-    def _upright(self):
+            faults.append(f"cylinder_z: expected rising places along the crank, got {places}")
         if self.bore_lower >= self.bore_upper:
-            raise ValueError(
+            faults.append(
                 f"bore_lower: expected a height below bore_upper = {self.bore_upper:g} m, "
                 f"got {self.bore_lower:g} m"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _enough(self):
-        answers = 3 * len(self.cylinder_z) + 3 * self.mounts
+        answers = 3 * len(places) + 3 * self.mounts
         if self.modes <= FREE_MODES + answers:
-            raise ValueError(
+            faults.append(
                 f"modes: expected more than {FREE_MODES} free modes and {answers} answers to "
                 f"forces, got {self.modes}"
             )
-        return self
+        return faults
