@@ -3,14 +3,7 @@
 from collections.abc import Iterable
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    PlainValidator,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
 
 from ..master.fmi.option_classes import Flag, with_meanings
 from ..master.fmi.quantities import in_unit, to_si
@@ -35,9 +28,6 @@ Mass = Annotated[float, in_unit("kg")]
 
 
 Inertia = Annotated[float, in_unit("kg*m^2")]
-
-
-Frequency = Annotated[float, in_unit("Hz")]
 
 
 Number = Annotated[float, in_unit("1")]

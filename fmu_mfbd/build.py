@@ -34,14 +34,7 @@ from .geometry.grid import cell_centres, film_rows
 from .geometry.profile import BoreOrder, HotShape
 from .input_tables import NO_TABLES, Tables, read_tables, read_temperatures
 from .options import BearingShell, Bodies, Build, SmallEnd, read_options
-from .reducing import (
-    Say,
-    check_bosses,
-    check_own,
-    hot_shapes,
-    reduced_shell,
-    reducing,
-)
+from .reducing import Say, check_bosses, check_own, hot_shapes, reduced_shell, reducing
 from .reduction.film_loads import Training, recorded_loads
 from .reduction.reduced_body import (
     SMALL_END,
@@ -336,7 +329,7 @@ def floating_pin(build: Build) -> FloatingPin | None:
     )
 
 
-def eye_film(build: Build | Bodies) -> ShellFilm | None:
+def eye_film(build: Bodies) -> ShellFilm | None:
     """Return the film in a flexible small end of the rod, else None."""
     pin = build.floating_pin
     if pin is None or pin.small_end is None or not pin.small_end.modes:
@@ -353,7 +346,7 @@ def crank_bearings(build: Build) -> tuple[CrankBearing, ...]:
     )
 
 
-def boss_films(build: Build | Bodies) -> ShellFilm | None:
+def boss_films(build: Bodies) -> ShellFilm | None:
     """Return the films in the bosses of a flexible piston, else None."""
     pin = build.floating_pin
     if pin is None or not pin.boss_modes:
@@ -387,7 +380,7 @@ def reduced_bodies(
     return {name: path for name, path in files.items() if name in ("piston", "block")}
 
 
-def _bodies(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[str, Path]:
+def _bodies(build: Bodies, progress: Say, shapes: bool = False) -> dict[str, Path]:
     """Return `_reduced`; reject assumptions of a symmetric film with bodies that have none."""
     assumed = claims(build)
     if assumed:
@@ -398,7 +391,7 @@ def _bodies(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[
     return files
 
 
-def _reduced(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict[str, Path]:
+def _reduced(build: Bodies, progress: Say, shapes: bool = False) -> dict[str, Path]:
     """Return the .npz of each body, by name, an eye that yields among them.
 
     The bodies are reduced side by side, in threads: SuperLU releases Python's lock. PARDISO uses
@@ -429,7 +422,7 @@ def _reduced(build: Build | Bodies, progress: Say, shapes: bool = False) -> dict
 
 
 def _asymmetries(
-    build: Build | Bodies, files: dict[str, Path], limit: float, start: StartState | None = None
+    build: Bodies, files: dict[str, Path], limit: float, start: StartState | None = None
 ) -> list[str]:
     """Return `asymmetries_of_bodies` of these files."""
     both = (("piston", build.piston), ("block", build.block))
@@ -445,9 +438,7 @@ def _reject(assumed: list[str], reasons: list[str]) -> None:
         raise BadInput([rejection(f"build.{claim}", reasons) for claim in assumed])
 
 
-def _training(
-    body: Piston | Block, build: Build | Bodies, piston: Future[Path] | None
-) -> Training | None:
+def _training(body: Piston | Block, build: Bodies, piston: Future[Path] | None) -> Training | None:
     """Return the film forces that a body is trained on, if it is; a block needs its piston."""
     if not (body.train_on and body.modes):
         return None
@@ -463,7 +454,7 @@ def _training(
 def _body(
     name: str,
     options: Piston | Block,
-    build: Build | Bodies,
+    build: Bodies,
     progress: Say,
     shapes: bool,
     piston: Future[Path] | None,

@@ -38,7 +38,7 @@ class Tables(NamedTuple):
 NO_TABLES = Tables((), (), None, None, None)
 
 
-def read_tables(build: Build | Bodies) -> Tables:
+def read_tables(build: Bodies) -> Tables:
     """Read all tables before any long computation, with every fault in one message."""
     faults = []
 

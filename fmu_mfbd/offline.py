@@ -17,12 +17,7 @@ from ..master.fmi.errors import BadInput
 from .build import reduced_bodies
 from .finite_elements.element import corner_stress, mass_properties, nodal_stress, von_mises
 from .options import Bodies, read_options
-from .reduction.mode_tables import (
-    ModeRow,
-    StressPeak,
-    mode_table,
-    write_modes,
-)
+from .reduction.mode_tables import ModeRow, StressPeak, mode_table, write_modes
 from .reduction.mode_tables import recover as recovered
 from .reduction.reduce import Reduced
 from .reduction.reduced_body import (

@@ -4,10 +4,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
-from pydantic import (
-    BaseModel,
-    Field,
-)
+from pydantic import BaseModel, Field
 
 from ..master.fmi.errors import BadInput
 from ..master.fmi.option_classes import Flag, validated
@@ -370,17 +367,11 @@ class Bodies(Common):
         return faults
 
 
-class Build(Common):
-    """Build options of the body FMU."""
+class Build(Bodies):
+    """Build options of the body FMU, which needs both bodies."""
 
-    piston: Piston
-    """Options of the piston. The mesh origin is on the skirt axis at the height of pin point A.
-    Surfaces: skirt, crown, pin_bore.
-    """
-    block: Block
-    """Options of the block. The mesh origin is on the bore axis at the height of the crank axis.
-    Surfaces: bore, bolts.
-    """
+    piston: Piston = Field(...)
+    block: Block = Field(...)
 
     def contradictions(self) -> list[str]:
         """Return also the faults of options that do not go together."""

@@ -15,14 +15,8 @@ from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Message, Preview
 from ..master.fmi.symmetry import rejection
 from .body_options import Block, Piston
-from .build import (
-    boss_films,
-    eye_film,
-    hot_piston,
-    options_ahead,
-    piston_about_pin,
-)
-from .dynamics.assembly import OwnParameters, ReducedBodies
+from .build import boss_films, eye_film, hot_piston, options_ahead, piston_about_pin
+from .dynamics.assembly import ReducedBodies
 from .dynamics.build_options import BuildOptions
 from .dynamics.clearance import bore_shape, skirt_gap
 from .dynamics.contradictions import pin_radius
@@ -133,7 +127,8 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     if None not in parameters.values():
         radii = {"small_end": eye.radius} if eye else {}
         rigid = ReducedBodies(piston.body, block.body)
-        wrong += faults(rigid, prepared, chosen, OwnParameters(axis=axis, elements=elements), radii)
+        own = [axis, *elements] if axis else elements
+        wrong += faults(rigid, prepared, chosen, own, radii)
     figures = [
         *_of_piston(build, piston),
         *_of_films(prepared, piston, chosen, given),

@@ -14,7 +14,7 @@ from ..master.fmi.phases import phase
 from .body_options import Block, Piston
 from .finite_elements.deck import MeshFault
 from .geometry.profile import HotShape
-from .options import Bodies, Build, RoundShell, SmallEnd
+from .options import Bodies, RoundShell, SmallEnd
 from .reduction.reduced_body import (
     Anatomy,
     MeshProperties,
@@ -103,7 +103,7 @@ def reduced_shell(
         return kept_shell(options, density, film, kind, cache_folder("bodies"), say)
 
 
-def hot_shapes(build: Build | Bodies, progress: Say) -> dict[str, HotShape]:
+def hot_shapes(build: Bodies, progress: Say) -> dict[str, HotShape]:
     """Return the hot shapes of piston and block, as far as they have one, by name.
 
     Raises

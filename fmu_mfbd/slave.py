@@ -11,7 +11,7 @@ from ..master.fmi.errors import BadInput, Discard
 from ..master.fmi.slave import FieldSlave
 from ..master.fmi.variables import Variable
 from . import variables as table
-from .dynamics.assembly import OwnParameters, load_bodies, model_of
+from .dynamics.assembly import load_bodies, model_of
 from .dynamics.build_options import BuildOptions
 from .dynamics.carrier import FIXED, Carrier
 from .dynamics.model import (
@@ -27,34 +27,12 @@ from .dynamics.model import (
     stacked,
 )
 from .dynamics.model_faults import faults
-from .dynamics.parameters import (
-    CRANK_PARAMETERS,
-    ELEMENT_PARAMETERS,
-    REFERENCE,
-    TUNABLE,
-    WALL_PARAMETERS,
-    AxisParameters,
-    Damping,
-    Parameters,
-    PinParameters,
-    SpaceParameters,
-    taken,
-)
+from .dynamics.parameters import ELEMENT_PARAMETERS, REFERENCE, TUNABLE, Damping, Parameters, taken
 from .dynamics.piston_motion import RIGID
 from .dynamics.state import PistonState
 from .dynamics.system import RingForce
 from .geometry.pin import PinForces
-from .variables import (
-    BLOCK,
-    FILM,
-    FORCES,
-    PIN_FILM,
-    PIN_FORCES,
-    RINGS,
-    WALL_FIELDS,
-    WALL_LEVELS,
-    fixed_walls,
-)
+from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS, WALL_FIELDS, WALL_LEVELS
 
 BORE = "bore_deflection"
 """Of a bore that deflects from outside."""
@@ -117,18 +95,8 @@ class Mfbd(FieldSlave):
         options = self.built
         self._warned = ""
         parameters = taken(Parameters, values)
-        pin = options.floating_pin
-        films = options.crank_surfaces()
-        own = OwnParameters(
-            taken(PinParameters, values) if pin else None,
-            taken(AxisParameters, values) if pin and pin.pin_shapes else None,
-            {name: taken(CRANK_PARAMETERS[name], values) for name in films},
-            taken(SpaceParameters, values) if options.in_space else None,
-            tuple(
-                taken(WALL_PARAMETERS[name], values) for name in fixed_walls(options.temperatures)
-            ),
-            tuple(taken(kind, values) for kind in ELEMENT_PARAMETERS),
-        )
+        kinds = [*table.own_parameters(options), *ELEMENT_PARAMETERS]
+        own = [taken(kind, values) for kind in kinds]
         bodies = load_bodies(self.resources, options)
         if wrong := faults(bodies, options, parameters, own):
             raise BadInput(wrong)

@@ -26,7 +26,7 @@ from .dynamics.start_state import StartState
 from .geometry.grid import cell_centres
 from .geometry.profile import BoreOrder, HotShape, MeasuredShape, fourier_bore
 from .input_tables import Tables
-from .options import Bodies, Build
+from .options import Bodies
 from .reduction.reduced_body import ReducedBlock, ReducedBody, ReducedPiston, load
 
 ODD_COMPLIANCE = 0.01
@@ -35,7 +35,7 @@ IMAGES = {"boss_left.": "boss_right.", "boss_right.": "boss_left."}
 """Film surfaces that are mirror images of each other."""
 
 
-def claims(build: Build | Bodies) -> list[str]:
+def claims(build: Bodies) -> list[str]:
     """Return the options that assume a symmetric film.
 
     A file of a reduced body assumes it if all its modes are even about the thrust plane.
@@ -58,7 +58,7 @@ def kind_of(body: Piston | Block) -> type[ReducedPiston] | type[ReducedBlock]:
     return ReducedPiston if isinstance(body, Piston) else ReducedBlock
 
 
-def asymmetries(build: Build | Bodies, tables: Tables, pin_tilt: float = 0.0) -> list[str]:
+def asymmetries(build: Bodies, tables: Tables, pin_tilt: float = 0.0) -> list[str]:
     """Return the reasons why bodies without modes are not their own mirror image.
 
     Parameters

@@ -12,12 +12,7 @@ from ..master.fmi.symmetry import odd_part
 from .build import Say, reduced_bodies
 from .geometry.grid import film_rows
 from .options import read_options
-from .reduction.film_loads import (
-    on_rows,
-    on_stations,
-    recorded_film_thickness,
-    recorded_loads,
-)
+from .reduction.film_loads import on_rows, on_stations, recorded_film_thickness, recorded_loads
 from .reduction.reduced_body import MissingShapes, ReducedBlock, ReducedPiston, load
 from .reduction.truncation import Truncation, share_of_film, static_modes, truncation
 from .thrust_symmetry import claims

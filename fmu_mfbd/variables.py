@@ -7,7 +7,7 @@ from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import numpy as np
 
-from ..master.fmi.texts import texts_below
+from ..master.fmi.texts import description
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .dynamics.block_force import BlockForce
 from .dynamics.build_options import BuildOptions, FilmGrid, WallTemperatures
@@ -239,13 +239,20 @@ def signals(options: BuildOptions) -> list[Variable]:
         answers += declared(output_variable, BoreOutputs, shape=tuple(outside))
     if options.in_space:
         answers += declared(output_variable, SpaceScalars)
-    kinds: list[type] = [PinParameters] * bool(pin)
-    kinds += [AxisParameters] * bool(pin and pin.pin_shapes)
-    kinds += [CRANK_PARAMETERS[name] for name in options.crank_surfaces()]
-    kinds += [SpaceParameters] * (options.in_space is not None)
-    kinds += [WALL_PARAMETERS[name] for name in fixed_walls(walls)]
     starts = {f"{name}_temperature_rise": getattr(walls, name).rise for name in fixed_walls(walls)}
-    return acting + answers + parameters(*kinds, starts=starts)
+    return acting + answers + parameters(*own_parameters(options), starts=starts)
+
+
+def own_parameters(options: BuildOptions) -> list[type]:
+    """Return the classes of the parameters of single parts, in addition to `Parameters`."""
+    pin = options.floating_pin
+    return [
+        *[PinParameters] * bool(pin),
+        *[AxisParameters] * bool(pin and pin.pin_shapes),
+        *(CRANK_PARAMETERS[name] for name in options.crank_surfaces()),
+        *[SpaceParameters] * (options.in_space is not None),
+        *(WALL_PARAMETERS[name] for name in fixed_walls(options.temperatures)),
+    ]
 
 
 def fixed_walls(walls: WallTemperatures | None) -> list[str]:
@@ -347,12 +354,11 @@ def declared(
     absent : tuple of str
         Beginnings of names to leave out.
     """
-    texts = texts_below(kind)
     return [
         make(
             f"{prefix}{name}",
             hint.__metadata__[0],
-            one_sentence(texts[name]),
+            description(kind, name),
             *hint.__metadata__[1:],
             shape=shape if hint.__origin__ is np.ndarray else (),
         )
@@ -374,11 +380,6 @@ def _input(
     return input_variable(name, unit, text, start, nominal, shape, limits=limits)
 
 
-def one_sentence(text: str) -> str:
-    """Return the description of a variable from the text below its declaration."""
-    return " ".join(text.split()).removesuffix(".")
-
-
 def parameters(*own: type, starts: Mapping[str, float] | None = None) -> list[Variable]:
     """Return the parameters of `Parameters`, of force elements, and of own classes.
 
@@ -398,7 +399,7 @@ def declared_parameters(
         Variable(
             one.name,
             causality="parameter",
-            description=one_sentence(texts_below(kind)[one.name]),
+            description=description(kind, one.name),
             start=(starts or {}).get(one.name, getattr(kind, one.name)),
             tunable=kind is Parameters and one.name in TUNABLE,
             **one.metadata,

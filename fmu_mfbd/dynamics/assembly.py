@@ -35,16 +35,7 @@ from .half_films import half_films, is_halved
 from .modal_damping import modal_springs
 from .model import PistonInBore
 from .motion_in_space import SpaceBodies, SpaceBody, Stop
-from .parameters import (
-    AxisParameters,
-    BigEndParameters,
-    MainBearingParameters,
-    Parameters,
-    PinParameters,
-    Settings,
-    SpaceParameters,
-    settings_of,
-)
+from .parameters import Parameters, Settings, SpaceParameters, settings_of
 from .pin_axis import pin_beam, pin_rows, pin_span, pin_surfaces, put_beam
 from .pin_films import undamp_static
 from .pin_friction import PinFriction
@@ -66,9 +57,6 @@ NO_GAS = GasTable(np.zeros(0), np.zeros(0), 0.0)
 NO_SPEED = SpeedTable(False, np.zeros(0), np.zeros(0), np.zeros(0))
 """Tables of gas pressure and crank speed without points."""
 
-CrankParameters = Mapping[str, BigEndParameters | MainBearingParameters]
-"""Film surface of the crank -> its own parameters."""
-
 
 class ReducedBodies(NamedTuple):
     """All reduced bodies of an FMU: bosses only if they yield, and flexible shells by surface.
@@ -84,28 +72,6 @@ class ReducedBodies(NamedTuple):
     def radii(self) -> dict[str, float]:
         """Return the radii of the shells, by surface [m]."""
         return {name: shell.radius for name, shell in self.shells.items()}
-
-
-class OwnParameters(NamedTuple):
-    """Parameters of single parts in addition to `Parameters`, None or empty if there is none.
-
-    They are those of a floating pin, of one with shapes, of each film of the crank, of a motion in
-    space, of the temperatures of walls, and of all force elements.
-    """
-
-    pin: PinParameters | None = None
-    axis: AxisParameters | None = None
-    crank: CrankParameters = {}
-    space: SpaceParameters | None = None
-    walls: tuple[Any, ...] = ()
-    elements: tuple[Any, ...] = ()
-
-    def of_pin(self) -> list[PinParameters | AxisParameters]:
-        """Return those of the pin that exist."""
-        return [one for one in (self.pin, self.axis) if one]
-
-
-NO_OWN = OwnParameters()
 
 
 def load_bodies(folder: Path, options: BuildOptions) -> ReducedBodies:
@@ -364,57 +330,44 @@ def assemble(
     block: ReducedBlock,
     options: BuildOptions,
     parameters: Parameters,
-    own: OwnParameters = NO_OWN,
+    own: Sequence[Any] = (),
 ) -> PistonInBore:
     """Return the model of a piston on a tied pin."""
-    return assemble_films(ReducedBodies(piston, block), options, parameters, own)
-
-
-def _in_bore(model: BodyModel, block: ReducedBlock, options: BuildOptions) -> PistonInBore:
-    """Return the model with its options in Python."""
-    grid = options.block.bore_from_outside
-    if not grid:
-        return PistonInBore(model, options)
-    around, _ = options.grid
-    wall = model.parts.wall
-    outside = outside_bore(grid, around, block.heights, block.radius, wall)
-    return PistonInBore(model, options, outside)
+    return model_of(ReducedBodies(piston, block), options, parameters, own)
 
 
 def model_of(
-    bodies: ReducedBodies, options: BuildOptions, parameters: Parameters, own: OwnParameters
+    bodies: ReducedBodies, options: BuildOptions, parameters: Parameters, own: Sequence[Any] = ()
 ) -> PistonInBore:
-    """Return the model of an FMU, with all parts of its options."""
-    if own.space:
-        return assemble_in_space(bodies, options, parameters, own.space, own)
-    return assemble_films(bodies, options, parameters, own)
+    """Return the model of an FMU, with all parts of its options.
 
-
-def assemble_films(
-    bodies: ReducedBodies, options: BuildOptions, parameters: Parameters, own: OwnParameters
-) -> PistonInBore:
-    """Return the model of a piston on a tied or floating pin, with all films of pin and crank."""
+    `own` are the parameters of its parts in addition to `Parameters`, one object of each class. A
+    piston moves in space if they contain `SpaceParameters`.
+    """
     setup = setup_of(bodies, options, parameters)
-    p = settings_of(parameters, *own.of_pin(), *own.crank.values(), *own.walls, *own.elements)
-    return _in_bore(assembled(setup, p), bodies.block, options)
+    model = assembled(setup, settings_of(parameters, *own))
+    grid, outside = options.block.bore_from_outside, None
+    if grid:
+        around, _ = options.grid
+        block = bodies.block
+        outside = outside_bore(grid, around, block.heights, block.radius, model.parts.wall)
+    planar = PistonInBore(model, options, outside)
+    space = next((one for one in own if isinstance(one, SpaceParameters)), None)
+    return _in_space(planar, bodies.piston, options, parameters, space) if space else planar
 
 
-def assemble_in_space(
-    bodies: ReducedBodies,
+def _in_space(
+    planar: PistonInBore,
+    piston: ReducedPiston,
     options: BuildOptions,
     parameters: Parameters,
     space: SpaceParameters,
-    own: OwnParameters = NO_OWN,
 ) -> PistonInSpace:
-    """Return the model of a rigid piston that moves in space.
-
-    `space` holds its own parameters. The others are as in `assemble`.
+    """Return the model of a rigid piston that moves in space, from that in its plane.
 
     Eq. (J21):  m_pin (R^2/4 + L^2/12)      of a solid pin about a diameter
     """
     assert options.in_space
-    piston = bodies.piston
-    planar = assemble(piston, bodies.block, options, parameters, own)
     S_x, S_y = piston.S
     body = SpaceBody(
         piston.mass, np.array([S_x, S_y, options.in_space.first_moment_z]), options.in_space.inertia

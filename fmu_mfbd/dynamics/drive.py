@@ -18,7 +18,7 @@ from .system import BodySystem, OtherForces, rigid_piston
 
 
 class Scalars(NamedTuple):
-    """Scalar outputs, each declared once: unit, description and nominal value."""
+    """Scalar outputs, each declared once: unit and nominal value."""
 
     crank_angle: Annotated[float, "rad", 1.0]
     """Crank angle, 0 at firing top dead centre."""

@@ -1,12 +1,13 @@
 """Faults of bodies, build options and parameters that do not fit each other."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from ...master.fmi.noted import none_yet, sentences_of
-from .assembly import NO_OWN, OwnParameters, ReducedBodies, fit_of
+from .assembly import ReducedBodies, fit_of
 from .build_options import BuildOptions
 from .contradictions import FAULT, FAULTS, check
-from .parameters import Parameters, settings_of
+from .parameters import ELEMENT_PARAMETERS, Parameters, settings_of
 from .thermal_growth import wall_faults
 
 LARGEST_OFFSET = 0.5
@@ -17,12 +18,13 @@ def faults(
     bodies: ReducedBodies,
     options: BuildOptions,
     parameters: Parameters,
-    own: OwnParameters = NO_OWN,
+    own: Sequence[Any] = (),
     radii: Mapping[str, float] | None = None,
 ) -> list[str]:
     """Return sentences about parameters that do not fit each other.
 
-    `radii` are those of flexible shells [m], by surface. Default: those of `bodies`.
+    `own` are as of `model_of`. `radii` are those of flexible shells [m], by surface. Default: those
+    of `bodies`.
     """
     offset, most = options.piston.pin_offset, LARGEST_OFFSET * bodies.piston.radius
     if abs(offset) > most:
@@ -31,14 +33,16 @@ def faults(
     noted = none_yet()
     lacks_gas = parameters.gas_source == "table" and not options.gas
     fit = fit_of(bodies, options, bodies.radii() if radii is None else radii)
-    check(fit, settings_of(parameters, *own.of_pin(), *own.crank.values()), lacks_gas, noted)
+    check(fit, settings_of(parameters, *own), lacks_gas, noted)
     out = sentences_of(noted, FAULTS)
     if noted[1] == FAULT.rod_too_short and out:
         return out
     if options.in_space and parameters.crank_free:
         out.append("crank_free: expected 0 with motion in space, got 1")
     modes = len(bodies.block.omega) + len(bodies.piston.omega)
-    for one in own.elements if options.in_space else ():
+    for one in own if options.in_space else ():
+        if not isinstance(one, ELEMENT_PARAMETERS):
+            continue
         name, value = next(iter(vars(one).items()))
         if value:
             out.append(f"{name}: expected 0 with motion in space, got {value:g}")

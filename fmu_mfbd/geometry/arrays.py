@@ -8,5 +8,3 @@ from numpy.typing import NDArray
 Vector = Annotated[np.ndarray, "n"]
 Matrix = Annotated[np.ndarray, "n, m"]
 Numbers = Annotated[NDArray[np.int64], "n"]
-NumberTable = Annotated[NDArray[np.int64], "n, m"]
-Singles = Annotated[NDArray[np.float32], "n, m"]

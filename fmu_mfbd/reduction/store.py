@@ -21,12 +21,7 @@ from ...models import MODELS
 from ..body_options import SLIDING_LAYER, Block, Piston
 from ..options import RoundShell, SmallEnd
 from .film_loads import Training
-from .reduced_body import (
-    ReducedShell,
-    ShellFilm,
-    ShellKind,
-    save,
-)
+from .reduced_body import ReducedShell, ShellFilm, ShellKind, save
 
 FILES = ("mesh", "stiffness", "mass", "file", "table")
 """Options that name a file."""

@@ -18,6 +18,20 @@ def texts_below(kind: type) -> dict[str, str]:
     return texts
 
 
+def description(kind: type, name: str) -> str:
+    """Return the description of a variable: the text below it, without its last full stop.
+
+    Raises
+    ------
+    TypeError
+        If it has none.
+    """
+    text = texts_below(kind).get(name)
+    if text is None:
+        raise TypeError(f"{kind.__name__}.{name}: expected its description below it, got nothing")
+    return " ".join(text.split()).removesuffix(".")
+
+
 @cache
 def _classes_of(module: str) -> dict[str, ast.ClassDef]:
     """Return the classes in the source of a module, by name."""

@@ -9,10 +9,9 @@ import dataclasses
 import numpy as np
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import (
-    OwnParameters,
     ReducedBodies,
     assemble,
-    assemble_films,
+    model_of,
 )
 from piston_cosim.fmu_mfbd.dynamics.build_options import (
     BlockOptions,
@@ -100,8 +99,8 @@ def tied_model():
 
 
 def floating_model(parameters=PARAMETERS, **pin):
-    own = OwnParameters(PinParameters(**pin))
-    return assemble_films(bodies(), options(True), parameters, own)
+    own = [PinParameters(**pin)]
+    return model_of(bodies(), options(True), parameters, own)
 
 
 MODES = 3
@@ -168,12 +167,12 @@ def block_model(young=1.0, parameters=PARAMETERS):
     """Return a model of a rigid piston and a floating pin in a flexible block."""
     reduced = bodies()._replace(block=flexible_block(young))
     parameters = dataclasses.replace(parameters, **RINGS)
-    return assemble_films(reduced, options(True), parameters, OwnParameters(PinParameters()))
+    return model_of(reduced, options(True), parameters, [PinParameters()])
 
 
 def yielding_model(young=1.0, parameters=PARAMETERS):
-    own = OwnParameters(PinParameters())
-    return assemble_films(yielding_bodies(young), options(True), parameters, own)
+    own = [PinParameters()]
+    return model_of(yielding_bodies(young), options(True), parameters, own)
 
 
 # ---- a pin that tilts and bends
@@ -192,15 +191,15 @@ def bending_options(shapes):
 
 
 def bending_model(shapes=4, parameters=PARAMETERS, **axis):
-    own = OwnParameters(PinParameters(), dataclasses.replace(AXIS, **axis))
-    return assemble_films(bodies(), bending_options(shapes), parameters, own)
+    own = [PinParameters(), dataclasses.replace(AXIS, **axis)]
+    return model_of(bodies(), bending_options(shapes), parameters, own)
 
 
 def bending_in_bosses(parameters=PARAMETERS, **shells):
     """Return a model of a bending pin in elastic bosses."""
-    own = OwnParameters(PinParameters(), AXIS)
+    own = [PinParameters(), AXIS]
     yielding = yielding_bodies()._replace(shells=shells)
-    return assemble_films(yielding, bending_options(3), parameters, own)
+    return model_of(yielding, bending_options(3), parameters, own)
 
 
 # ---- an eye that yields
@@ -222,7 +221,7 @@ def small_end(young=1.0, grid=PIN_GRID, radius=18e-3):
 def eye_model(young=1.0, parameters=PARAMETERS):
     """Return a model of a rigid piston and pin with an elastic eye."""
     yielding = bodies()._replace(shells={"small_end": small_end(young)})
-    return assemble_films(yielding, options(True), parameters, OwnParameters(PinParameters()))
+    return model_of(yielding, options(True), parameters, [PinParameters()])
 
 
 def all_that_yields(parameters=PARAMETERS):
@@ -255,14 +254,13 @@ def crank_model(names=SETS[-1], yielding=False, young=1.0, shapes=0, **changes):
     if yielding:
         shells = {name: small_end(young, GRIDS[name], RADII[name]) for name in names}
         reduced = yielding_bodies()._replace(shells={"small_end": small_end()} | shells)
-    crank = {name: OWN[name] for name in names}
-    own = OwnParameters(PinParameters(), AXIS if shapes else None, crank)
+    own = [PinParameters(), *[AXIS] * bool(shapes), *(OWN[name] for name in names)]
     built = crank_options(names, SHELL_MODES if yielding else 0)
     if shapes:
         reduced = reduced._replace(block=flexible_block())
         bent = dataclasses.replace(built.floating_pin, pin_shapes=shapes)
         built = dataclasses.replace(built, floating_pin=bent)
-    return assemble_films(reduced, built, parameters, own)
+    return model_of(reduced, built, parameters, own)
 
 
 def tied_crank_model(names=SETS[-1], yielding=False, parameters=PARAMETERS):
@@ -276,8 +274,8 @@ def tied_crank_model(names=SETS[-1], yielding=False, parameters=PARAMETERS):
     modes = SHELL_MODES if yielding else 0
     bearings = tuple(CrankBearing(name, GRIDS[name], 30e-3, modes=modes) for name in names)
     built = dataclasses.replace(built, crank_bearings=bearings)
-    own = OwnParameters(crank={name: OWN[name] for name in names})
-    return assemble_films(reduced, built, parameters, own)
+    own = [OWN[name] for name in names]
+    return model_of(reduced, built, parameters, own)
 
 
 def outside_model(parameters=PARAMETERS, elements=()):
@@ -288,8 +286,8 @@ def outside_model(parameters=PARAMETERS, elements=()):
     block = BlockOptions("", 0, bore_from_outside=BoreGrid(24, 64))
     built = dataclasses.replace(options(True), block=block, mounted=True)
     parameters = dataclasses.replace(parameters, **RINGS)
-    own = OwnParameters(PinParameters(), elements=elements)
-    return assemble_films(bodies(), built, parameters, own)
+    own = [PinParameters(), *elements]
+    return model_of(bodies(), built, parameters, own)
 
 
 RUBBING = dataclasses.replace(PARAMETERS, pin_friction_coefficient=0.05)

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, assemble_films
+from piston_cosim.fmu_mfbd.dynamics.assembly import model_of
 from piston_cosim.fmu_mfbd.dynamics.bore_from_outside import periodic_rule
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
@@ -262,11 +262,11 @@ def test_a_field_from_outside_is_the_deflection_of_the_bore_around_a_floating_pi
     """The field of the block's own modes gives the same films, to the spline between angles."""
     other = outside_model()
     shapes = replace(flexible_block(), axial=0.0 * flexible_block().axial)
-    own = assemble_films(
+    own = model_of(
         bodies()._replace(block=shapes),
         options(True),
         replace(PARAMETERS, **RINGS),
-        OwnParameters(PinParameters()),
+        [PinParameters()],
     )
     _, out = rough_way(own, 3)
     first = own.chain.joints.tip.shape[1]

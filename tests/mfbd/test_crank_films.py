@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
@@ -277,8 +276,7 @@ def test_what_does_not_go_with_films_of_the_crank_is_told():
     assert "rod_inertia: expected more than 0 kg.m2 with a film in big_end, got 0 kg.m2" in told
     assert faults(bodies(), crank_options(SETS[-1]), PARAMETERS) == []
     beside = {"big_end": 25e-3, "main_bearing": 27.1e-3}
-    own = OwnParameters(crank=OWN)
-    (told,) = faults(bodies(), crank_options(SETS[-1]), PARAMETERS, own, beside)
+    (told,) = faults(bodies(), crank_options(SETS[-1]), PARAMETERS, [*OWN.values()], beside)
     assert told == "big_end_radius: expected within 2 % of the shell, 25 mm, got 24 mm"
     with pytest.raises(
         ValidationError, match=r"film_surfaces\.0\.name: expected a new name, got 'big_end'"

@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, assemble
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_FLEXIBLE_BLOCK, Inputs
@@ -184,8 +184,7 @@ AT_REST = Inputs(0.0, 0.0, np.zeros(GRID), np.zeros(GRID))
 def sprung(land=SPRING, **changes):
     """Return a rigid piston on a tied pin with a land contact."""
     piston, block, *_ = bodies()
-    own = OwnParameters(elements=(land,))
-    return assemble(piston, block, options(False), replace(PARAMETERS, **changes), own)
+    return assemble(piston, block, options(False), replace(PARAMETERS, **changes), [land])
 
 
 def test_a_spring_balances_the_rings():
@@ -235,7 +234,7 @@ def test_derivatives_of_a_step_with_contact_are_differences(name):
 
 
 def test_motion_in_space_does_not_support_force_elements():
-    own = OwnParameters(elements=(LandParameters(1e7),))
+    own = [LandParameters(1e7)]
     told = faults(flat_bodies(), space_options(SKEWED), PARAMETERS, own)
     assert "land_stiffness: expected 0 with motion in space, got 1e+07" in told
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.build import prepare
-from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, ReducedBodies, model_of
+from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, model_of
 from piston_cosim.fmu_mfbd.dynamics.build_options import BuildOptions
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs, MotionNotSolved
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
@@ -77,7 +77,7 @@ def symmetric(request, coarse, kept):
 
     def model(symmetry, **parameters):
         values = Parameters(**SHAPED | parameters, film_symmetry=symmetry)
-        return model_of(ReducedBodies(*bodies), options, values, OwnParameters())
+        return model_of(ReducedBodies(*bodies), options, values)
 
     return model
 
@@ -145,5 +145,5 @@ def test_bodies_that_are_not_symmetric_have_no_half(coarse, kept):
     bodies = ReducedBodies(*(load(k, f) for k, f in zip((ReducedPiston, ReducedBlock), files)))
     options = BuildOptions.from_json(prepared)
     values = Parameters(film_symmetry="thrust_plane")
-    (fault,) = model_of(bodies, options, values, OwnParameters()).half_faults()
+    (fault,) = model_of(bodies, options, values).half_faults()
     assert fault.startswith("film_symmetry: expected none for films or bodies")

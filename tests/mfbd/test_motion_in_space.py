@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from piston_cosim.fmu_mfbd.build import prepare
-from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, assemble, assemble_in_space
+from piston_cosim.fmu_mfbd.dynamics.assembly import ReducedBodies, assemble, model_of
 from piston_cosim.fmu_mfbd.dynamics.build_options import (
     BlockOptions,
     BuildOptions,
@@ -75,9 +75,8 @@ def options(space=None, orders=()):
 
 
 def space_model(space=SKEWED, orders=(), parameters=RUBBING, **own):
-    return assemble_in_space(
-        flat_bodies(), options(space, orders), parameters, SpaceParameters(**own)
-    )
+    own = [SpaceParameters(**own)]
+    return model_of(flat_bodies(), options(space, orders), parameters, own)
 
 
 def flat_model(orders=(), parameters=RUBBING):
@@ -297,11 +296,11 @@ def test_a_quarter_turn_makes_shift_and_roll_of_lateral_motion():
         options(InSpace(0.0, np.diag([4.5e-3 - pin, 4e-3, 4.5e-3]))),
         piston=PistonOptions("", 0, 0.0),
     )
-    own = SpaceParameters(**NO_DAMPER, pin_tilt_play=1.0, pin_axial_play=1.0)
+    own = [SpaceParameters(**NO_DAMPER, pin_tilt_play=1.0, pin_axial_play=1.0)]
     step = 1e-4
     ways = []
     for cell, way in ((4, [0, 1]), (0, [2, 3])):
-        model = assemble_in_space(ReducedBodies(piston, *rest), given, alike, own)
+        model = model_of(ReducedBodies(piston, *rest), given, alike, own)
         velocity = np.zeros(5)
         velocity[way] = 0.1, 0.0
         none, hit = np.zeros(GRID), np.zeros(GRID)

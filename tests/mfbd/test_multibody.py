@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, assemble, assemble_films
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, model_of
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import AxisParameters, PinParameters
@@ -178,18 +178,17 @@ def fmu_model(case, parameters=P, elements=()):
     parts = bodies()._replace(piston=piston, block=block)
     if not case.floats:
         built = dataclasses.replace(options(False), mounted=case.moves)
-        return assemble(piston, block, built, parameters, OwnParameters(elements=elements))
+        return assemble(piston, block, built, parameters, elements)
     stations = np.array([[-1.0], [1.0]]) * np.linspace(0.03, 0.05, PIN_GRID[1])
     parts = parts._replace(bosses=ReducedBosses(FIELDS.outward, FIELDS.onward, stations, 18e-3))
     names = tuple(OWN) if case.crank else ()
-    built, axis = dataclasses.replace(crank_options(names), mounted=case.moves), None
+    built, axis = dataclasses.replace(crank_options(names), mounted=case.moves), []
     if case.bends:
         parts = parts._replace(shells={"small_end": small_end(SOFT)})
         pin = dataclasses.replace(built.floating_pin, pin_shapes=SHAPES)
-        built, axis = dataclasses.replace(built, floating_pin=pin), AXIS
-    crank = {name: OWN[name] for name in names}
-    own = OwnParameters(PinParameters(), axis, crank, elements=elements)
-    return assemble_films(parts, built, parameters, own)
+        built, axis = dataclasses.replace(built, floating_pin=pin), [AXIS]
+    own = [PinParameters(), *axis, *(OWN[name] for name in names), *elements]
+    return model_of(parts, built, parameters, own)
 
 
 def stepped(case, step, end):

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters
 from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
 from piston_cosim.fmu_mfbd.dynamics.pin_shells import shapes_of
 from piston_cosim.fmu_mfbd.geometry.eigen import symmetric_eigen
@@ -293,10 +292,10 @@ def test_a_pin_on_soft_springs_bends_as_under_even_loads():
 
 def test_what_a_pin_cannot_be_is_told():
     wrong = dataclasses.replace(AXIS, pin_bore_radius=18e-3, pin_length=85e-3)
-    told = faults(bodies(), bending_options(3), PARAMETERS, OwnParameters(axis=wrong))
+    told = faults(bodies(), bending_options(3), PARAMETERS, [wrong])
     assert told == [
         "pin_bore_radius: expected less than the radius of the pin, 18 mm, got 18 mm",
         "pin_length: expected 0 or at least the length of all films, 86 mm, got 85 mm",
     ]
     fine = dataclasses.replace(AXIS, pin_length=86e-3)
-    assert faults(bodies(), bending_options(3), PARAMETERS, OwnParameters(axis=fine)) == []
+    assert faults(bodies(), bending_options(3), PARAMETERS, [fine]) == []

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.assembly import OwnParameters, assemble
+from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.build_options import WallTemperature, WallTemperatures
 from piston_cosim.fmu_mfbd.dynamics.parameters import (
     BoreTemperatureParameters,
@@ -30,7 +30,7 @@ def built(reduced, walls, *rises, **values):
     """Return the small bodies with temperatures, rises of walls and parameters."""
     options, piston, block = reduced
     options = dataclasses.replace(options, temperatures=walls)
-    return assemble(piston, block, options, Parameters(**values), OwnParameters(walls=rises))
+    return assemble(piston, block, options, Parameters(**values), rises)
 
 
 def taken(model, steps=4, size=2.0, **given):
