@@ -52,183 +52,108 @@ class Parameters:
     oil: Oil = field(default_factory=Oil)
 
     # laws
-    cavitation_model: str = choice("Cavitation model", CAVITATION)
-    cavity_shear: str = choice("Part of the cavitated film that transmits shear", CAVITY_SHEAR)
-    flow_factors: str = choice("Flow factor model for rough surfaces", FLOW_FACTORS)
-    contact_law: str = choice("Asperity contact law", CONTACT_LAWS)
+    cavitation_model: str = choice(CAVITATION)
+    """Cavitation model."""
+    cavity_shear: str = choice(CAVITY_SHEAR)
+    """Part of the cavitated film that transmits shear."""
+    flow_factors: str = choice(FLOW_FACTORS)
+    """Flow factor model for rough surfaces."""
+    contact_law: str = choice(CONTACT_LAWS)
+    """Asperity contact law."""
 
-    film_symmetry: str = choice(
-        "Part of the film that is computed: thrust_plane for one half, automatic for one half if "
-        "the inputs at the start are symmetric",
-        FILM_SYMMETRIES,
-    )
+    film_symmetry: str = choice(FILM_SYMMETRIES)
+    """Part of the film that is computed: thrust_plane for one half, automatic for one half if the
+    inputs at the start are symmetric.
+    """
 
     # skirt and film
-    bore_radius: float = declared("m", 28.25e-3, 1e-3, 1.0, "Radius of the cylinder bore")
-    skirt_length: float = declared("m", 27e-3, 1e-3, 2.0, "Axial length of the lubricated skirt")
-    cavitation_pressure: float = declared("Pa", 0.0, -2e5, 1e8, "Cavitation pressure, gauge")
-    minimum_flow_film: float = declared(
-        "m", 5e-8, 1e-9, 1e-5, "Lower limit of the film thickness in the flow equations"
-    )
+    bore_radius: float = declared("m", 28.25e-3, 1e-3, 1.0)
+    """Radius of the cylinder bore."""
+    skirt_length: float = declared("m", 27e-3, 1e-3, 2.0)
+    """Axial length of the lubricated skirt."""
+    cavitation_pressure: float = declared("Pa", 0.0, -2e5, 1e8)
+    """Cavitation pressure, gauge."""
+    minimum_flow_film: float = declared("m", 5e-8, 1e-9, 1e-5)
+    """Lower limit of the film thickness in the flow equations."""
 
     # roughness and contact: gamma and Y of `roughness`; z_s, eta beta_a sigma, sigma/beta_a, E*,
     # mu_b, tau_0 of `asperity`
-    roughness_rms: float = declared(
-        "m", 0.0, 0.0, 1e-4, "Composite rms roughness of skirt and bore; 0: smooth, without contact"
-    )
-    summit_height: float = declared(
-        "m",
-        0.0,
-        0.0,
-        1e-4,
-        "Height of the mean plane of the summits above that of the surface, sum of both bodies",
-    )
-    peklenik_number_skirt: float = declared(
-        "1",
-        1.0,
-        1.0 / 9.0,
-        9.0,
-        "Correlation length of the skirt's roughness along / across the axis",
-    )
-    peklenik_number_bore: float = declared(
-        "1",
-        1.0,
-        1.0 / 9.0,
-        9.0,
-        "Correlation length of the bore's roughness along / across the axis",
-    )
-    roughness_share_skirt: float = declared(
-        "1", 0.8, 0.0, 1.0, "Fraction of the roughness variance that the skirt has"
-    )
-    asperity_product: float = declared(
-        "1", 0.04, 1e-4, 1.0, "Asperity density x tip radius x rms height (eta beta_a sigma)"
-    )
-    asperity_slope: float = declared(
-        "1", 1e-3, 1e-6, 1.0, "Ratio of rms height to tip radius of the asperities (sigma/beta_a)"
-    )
-    contact_modulus: float = declared(
-        "Pa", 6e10, 1e6, 1e12, "Contact modulus E*, with 1/E* = sum of (1-nu^2)/E of both bodies"
-    )
-    boundary_friction_coefficient: float = declared(
-        "1", 0.12, 0.0, 2.0, "Friction coefficient of asperity contact"
-    )
-    boundary_shear_strength: float = declared(
-        "Pa", 0.0, 0.0, 1e9, "Shear strength of the boundary layer in contact"
-    )
-    friction_rounding_velocity: float = declared(
-        "m/s", 1e-3, 1e-9, 1.0, "Sliding velocity below which asperity friction decreases to zero"
-    )
+    roughness_rms: float = declared("m", 0.0, 0.0, 1e-4)
+    """Composite rms roughness of skirt and bore; 0: smooth, without contact."""
+    summit_height: float = declared("m", 0.0, 0.0, 1e-4)
+    """Height of the mean plane of the summits above that of the surface, sum of both bodies."""
+    peklenik_number_skirt: float = declared("1", 1.0, 1.0 / 9.0, 9.0)
+    """Correlation length of the skirt's roughness along / across the axis."""
+    peklenik_number_bore: float = declared("1", 1.0, 1.0 / 9.0, 9.0)
+    """Correlation length of the bore's roughness along / across the axis."""
+    roughness_share_skirt: float = declared("1", 0.8, 0.0, 1.0)
+    """Fraction of the roughness variance that the skirt has."""
+    asperity_product: float = declared("1", 0.04, 1e-4, 1.0)
+    """Asperity density x tip radius x rms height (eta beta_a sigma)."""
+    asperity_slope: float = declared("1", 1e-3, 1e-6, 1.0)
+    """Ratio of rms height to tip radius of the asperities (sigma/beta_a)."""
+    contact_modulus: float = declared("Pa", 6e10, 1e6, 1e12)
+    """Contact modulus E*, with 1/E* = sum of (1-nu^2)/E of both bodies."""
+    boundary_friction_coefficient: float = declared("1", 0.12, 0.0, 2.0)
+    """Friction coefficient of asperity contact."""
+    boundary_shear_strength: float = declared("Pa", 0.0, 0.0, 1e9)
+    """Shear strength of the boundary layer in contact."""
+    friction_rounding_velocity: float = declared("m/s", 1e-3, 1e-9, 1.0)
+    """Sliding velocity below which asperity friction decreases to zero."""
 
     # soft layer: d, E, nu of `coating`
-    coating_thickness: float = declared(
-        "m", 0.0, 0.0, 1e-3, "Thickness of a soft coating; 0: no coating"
-    )
-    coating_modulus: float = declared("Pa", 1e9, 1e6, 1e12, "Young's modulus of the coating")
-    coating_poisson: float = declared("1", 0.3, 0.0, 0.45, "Poisson's ratio of the coating")
+    coating_thickness: float = declared("m", 0.0, 0.0, 1e-3)
+    """Thickness of a soft coating; 0: no coating."""
+    coating_modulus: float = declared("Pa", 1e9, 1e6, 1e12)
+    """Young's modulus of the coating."""
+    coating_poisson: float = declared("1", 0.3, 0.0, 0.45)
+    """Poisson's ratio of the coating."""
 
     # oil outside the film, `oil_layer`
-    oil_supply: str = choice("Source of the oil at the edges", OIL_SUPPLIES)
-    initial_film_fraction: float = declared(
-        "1",
-        1.0,
-        0.0,
-        1.0,
-        "Film fraction at the start; below 1, the film has no pressure at the start",
-    )
-    initial_oil_layer: float = declared(
-        "m", 1e-5, 0.0, 1e-2, "Oil layer on the bore outside the skirt at the start"
-    )
-    stroke: float = declared(
-        "m", 0.1, 1e-3, 4.0, "Maximum travel of the skirt along the bore from its start position"
-    )
-    chamfer_capacity: float = declared(
-        "m2",
-        1e-7,
-        0.0,
-        1.0,
-        "Maximum cross-section of the oil that an edge of the skirt pushes along",
-    )
-    largest_oil_layer: float = declared(
-        "m", 3e-4, 1e-6, 1e-1, "Maximum oil layer on the bore; splash above it runs off"
-    )
-    oil_ring_layer: float = declared(
-        "m",
-        2e-6,
-        0.0,
-        1e-3,
-        "Oil layer that the oil ring leaves on the bore above the skirt",
-        condition=True,
-    )
-    oil_splash: float = declared(
-        "m/s",
-        0.0,
-        0.0,
-        10.0,
-        "Growth rate of the oil layer below the skirt due to splash",
-        condition=True,
-    )
+    oil_supply: str = choice(OIL_SUPPLIES)
+    """Source of the oil at the edges."""
+    initial_film_fraction: float = declared("1", 1.0, 0.0, 1.0)
+    """Film fraction at the start; below 1, the film has no pressure at the start."""
+    initial_oil_layer: float = declared("m", 1e-5, 0.0, 1e-2)
+    """Oil layer on the bore outside the skirt at the start."""
+    stroke: float = declared("m", 0.1, 1e-3, 4.0)
+    """Maximum travel of the skirt along the bore from its start position."""
+    chamfer_capacity: float = declared("m2", 1e-7, 0.0, 1.0)
+    """Maximum cross-section of the oil that an edge of the skirt pushes along."""
+    largest_oil_layer: float = declared("m", 3e-4, 1e-6, 1e-1)
+    """Maximum oil layer on the bore; splash above it runs off."""
+    oil_ring_layer: float = declared("m", 2e-6, 0.0, 1e-3, condition=True)
+    """Oil layer that the oil ring leaves on the bore above the skirt."""
+    oil_splash: float = declared("m/s", 0.0, 0.0, 10.0, condition=True)
+    """Growth rate of the oil layer below the skirt due to splash."""
 
     # what holds at the edges and in openings, and may change from step to step
-    opening_supply: str = choice(
-        "Source of pressure and oil in cut-outs: the lower edge or a separate supply",
-        OPENING_SUPPLIES,
-    )
-    pressure_lower_edge: float = declared(
-        "Pa", 0.0, -2e5, 1e8, "Pressure at the lower edge, gauge", condition=True
-    )
-    pressure_upper_edge: float = declared(
-        "Pa", 0.0, -2e5, 1e8, "Pressure at the upper edge, gauge", condition=True
-    )
-    film_fraction_lower_edge: float = declared(
-        "1",
-        1.0,
-        0.0,
-        1.0,
-        "Film fraction of the oil that enters at the lower edge; below 1 only at "
-        "cavitation pressure",
-        condition=True,
-    )
-    film_fraction_upper_edge: float = declared(
-        "1",
-        1.0,
-        0.0,
-        1.0,
-        "Film fraction of the oil that enters at the upper edge; below 1 only at "
-        "cavitation pressure",
-        condition=True,
-    )
-    pressure_openings: float = declared(
-        "Pa", 0.0, -2e5, 1e8, "Pressure in cut-outs with a separate supply, gauge", condition=True
-    )
-    film_fraction_openings: float = declared(
-        "1",
-        1.0,
-        0.0,
-        1.0,
-        "Film fraction of the oil that enters from cut-outs with a separate supply; "
-        "below 1 only at cavitation pressure",
-        condition=True,
-    )
-    oil_temperature_lower_edge: float = declared(
-        "K",
-        373.15,
-        233.15,
-        573.15,
-        "Oil temperature at the lower edge; it varies linearly to the upper edge",
-        condition=True,
-    )
-    oil_temperature_upper_edge: float = declared(
-        "K", 373.15, 233.15, 573.15, "Oil temperature at the upper edge", condition=True
-    )
+    opening_supply: str = choice(OPENING_SUPPLIES)
+    """Source of pressure and oil in cut-outs: the lower edge or a separate supply."""
+    pressure_lower_edge: float = declared("Pa", 0.0, -2e5, 1e8, condition=True)
+    """Pressure at the lower edge, gauge."""
+    pressure_upper_edge: float = declared("Pa", 0.0, -2e5, 1e8, condition=True)
+    """Pressure at the upper edge, gauge."""
+    film_fraction_lower_edge: float = declared("1", 1.0, 0.0, 1.0, condition=True)
+    """Film fraction of the oil that enters at the lower edge; below 1 only at cavitation pressure.
+    """
+    film_fraction_upper_edge: float = declared("1", 1.0, 0.0, 1.0, condition=True)
+    """Film fraction of the oil that enters at the upper edge; below 1 only at cavitation pressure.
+    """
+    pressure_openings: float = declared("Pa", 0.0, -2e5, 1e8, condition=True)
+    """Pressure in cut-outs with a separate supply, gauge."""
+    film_fraction_openings: float = declared("1", 1.0, 0.0, 1.0, condition=True)
+    """Film fraction of the oil that enters from cut-outs with a separate supply; below 1 only at
+    cavitation pressure.
+    """
+    oil_temperature_lower_edge: float = declared("K", 373.15, 233.15, 573.15, condition=True)
+    """Oil temperature at the lower edge; it varies linearly to the upper edge."""
+    oil_temperature_upper_edge: float = declared("K", 373.15, 233.15, 573.15, condition=True)
+    """Oil temperature at the upper edge."""
 
     # a bearing alone
-    sector_angle: float = declared(
-        "rad",
-        FULL_TURN,
-        0.1,
-        FULL_TURN,
-        "Wrap angle of the shell; below 360 deg, both ends are cut-outs",
-    )
+    sector_angle: float = declared("rad", FULL_TURN, 0.1, FULL_TURN)
+    """Wrap angle of the shell; below 360 deg, both ends are cut-outs."""
 
     open_cells: Flags | None = None
     surface: str = SURFACES[0]

@@ -74,140 +74,91 @@ class LastStep(NamedTuple):
 
 
 class Fields(NamedTuple):
-    """Outputs of each cell with unit, description and nominal value; the last one of a bearing."""
+    """Outputs of each cell with unit and nominal value; the last one of a bearing."""
 
-    nodal_pressure_force: Annotated[
-        Array, "N", "Sum of hydrodynamic and asperity pressure, times the cell area", 1.0
-    ]
-    nodal_friction_force: Annotated[
-        Array,
-        "N",
-        "Axial force of film and asperities on the skirt; the opposite force acts on the bore",
-        0.1,
-    ]
-    pressure: Annotated[Array, "Pa", "Hydrodynamic pressure, gauge", 1e6]
-    asperity_pressure: Annotated[Array, "Pa", "Asperity contact pressure", 1e6]
-    film_fraction: Annotated[Array, "1", "Fraction of the film that is filled with oil", 1.0]
-    nodal_circumferential_force: Annotated[
-        Array,
-        "N",
-        "Circumferential force of film and asperities on the journal, positive with ascending i; "
-        "the opposite force acts on the shell",
-        0.1,
-    ]
+    nodal_pressure_force: Annotated[Array, "N", 1.0]
+    """Sum of hydrodynamic and asperity pressure, times the cell area."""
+    nodal_friction_force: Annotated[Array, "N", 0.1]
+    """Axial force of film and asperities on the skirt; the opposite force acts on the bore."""
+    pressure: Annotated[Array, "Pa", 1e6]
+    """Hydrodynamic pressure, gauge."""
+    asperity_pressure: Annotated[Array, "Pa", 1e6]
+    """Asperity contact pressure."""
+    film_fraction: Annotated[Array, "1", 1.0]
+    """Fraction of the film that is filled with oil."""
+    nodal_circumferential_force: Annotated[Array, "N", 0.1]
+    """Circumferential force of film and asperities on the journal, positive with ascending i; the
+    opposite force acts on the shell.
+    """
 
 
 class Scalars(NamedTuple):
-    """Scalar outputs of a film with unit, description and nominal value.
+    """Scalar outputs of a film with unit and nominal value.
 
     The sides are those of a skirt, the torque that of a bearing.
     """
 
-    minimum_film_thickness: Annotated[float, "m", "Minimum film thickness", 1e-5]
-    maximum_pressure: Annotated[float, "Pa", "Maximum hydrodynamic pressure, gauge", 1e6]
-    friction_force_hydrodynamic: Annotated[
-        float,
-        "N",
-        "Axial force of the film on the skirt; the opposite force acts on the bore",
-        10.0,
-    ]
-    friction_force_asperity: Annotated[
-        float,
-        "N",
-        "Axial force of the asperities on the skirt; the opposite force acts on the bore",
-        10.0,
-    ]
-    friction_power: Annotated[
-        float, "W", "Friction power: minus the force times the sliding velocity", 100.0
-    ]
-    boundary_friction_share: Annotated[
-        float, "1", "Fraction of the friction work since the start that is due to asperities"
-    ]
-    minimum_film_thickness_thrust_side: Annotated[
-        float, "m", "Minimum film thickness of the thrust half", 1e-5
-    ]
-    radial_force_thrust_side: Annotated[
-        float,
-        "N",
-        "Force of the thrust half towards the thrust side; positive separates skirt and bore",
-        100.0,
-    ]
-    friction_force_thrust_side: Annotated[
-        float, "N", "Axial force on the thrust half of the skirt", 10.0
-    ]
-    minimum_film_thickness_anti_thrust_side: Annotated[
-        float, "m", "Minimum film thickness of the anti-thrust half", 1e-5
-    ]
-    radial_force_anti_thrust_side: Annotated[
-        float,
-        "N",
-        "Force of the anti-thrust half towards the anti-thrust side; positive separates skirt "
-        "and bore",
-        100.0,
-    ]
-    friction_force_anti_thrust_side: Annotated[
-        float, "N", "Axial force on the anti-thrust half of the skirt", 10.0
-    ]
-    flow_lower_edge: Annotated[
-        float, "m3/s", "Oil flow into the film through the lower edge at the end of the step", 1e-6
-    ]
-    flow_upper_edge: Annotated[
-        float, "m3/s", "Oil flow into the film through the upper edge at the end of the step", 1e-6
-    ]
-    stored_energy: Annotated[float, "J", "Elastic energy of asperities and coating", 1e-3]
-    received_power: Annotated[
-        float,
-        "W",
-        "Power received from the bodies, mean over the step: stored and dissipated, minus that of "
-        "the pressure around the film",
-        100.0,
-    ]
-    flow_openings: Annotated[
-        float, "m3/s", "Oil flow into the film from cut-outs at the end of the step", 1e-6
-    ]
-    oil_in_film: Annotated[float, "m3", "Oil volume in the film", 1e-8]
-    oil_on_bore: Annotated[
-        float,
-        "m3",
-        "Oil volume on the bore and at the edges of the skirt; 0 for oil_supply = edges",
-        1e-8,
-    ]
-    oil_supplied: Annotated[
-        float,
-        "m3",
-        "Oil volume supplied by ring and splash since the start, minus the oil that ran off",
-        1e-8,
-    ]
-    mass_imbalance: Annotated[
-        float,
-        "1",
-        "Relative mass imbalance at the end of the step: |inflow - growth of film content| "
-        "/ throughput",
-    ]
-    contact_area_fraction: Annotated[float, "1", "Ratio of the real contact area to the skirt area"]
-    friction_power_hydrodynamic: Annotated[
-        float, "W", "Part of the friction power due to the film", 100.0
-    ]
-    friction_power_asperity: Annotated[
-        float, "W", "Part of the friction power due to asperities", 100.0
-    ]
-    heat_generated: Annotated[
-        float,
-        "W",
-        "Heat of sliding and squeezing in the film, mean over the step; surfaces of equal "
-        "temperature receive half each",
-        100.0,
-    ]
-    outflow_upper_edge: Annotated[
-        float,
-        "m3/s",
-        "Oil flow out of the film at the upper edge, over the cells where it leaves; at the "
-        "end of the step",
-        1e-6,
-    ]
-    friction_torque: Annotated[
-        float,
-        "N.m",
-        "Moment of the circumferential forces on the journal about the axis of the shell",
-        1.0,
-    ]
+    minimum_film_thickness: Annotated[float, "m", 1e-5]
+    """Minimum film thickness."""
+    maximum_pressure: Annotated[float, "Pa", 1e6]
+    """Maximum hydrodynamic pressure, gauge."""
+    friction_force_hydrodynamic: Annotated[float, "N", 10.0]
+    """Axial force of the film on the skirt; the opposite force acts on the bore."""
+    friction_force_asperity: Annotated[float, "N", 10.0]
+    """Axial force of the asperities on the skirt; the opposite force acts on the bore."""
+    friction_power: Annotated[float, "W", 100.0]
+    """Friction power: minus the force times the sliding velocity."""
+    boundary_friction_share: Annotated[float, "1"]
+    """Fraction of the friction work since the start that is due to asperities."""
+    minimum_film_thickness_thrust_side: Annotated[float, "m", 1e-5]
+    """Minimum film thickness of the thrust half."""
+    radial_force_thrust_side: Annotated[float, "N", 100.0]
+    """Force of the thrust half towards the thrust side; positive separates skirt and bore."""
+    friction_force_thrust_side: Annotated[float, "N", 10.0]
+    """Axial force on the thrust half of the skirt."""
+    minimum_film_thickness_anti_thrust_side: Annotated[float, "m", 1e-5]
+    """Minimum film thickness of the anti-thrust half."""
+    radial_force_anti_thrust_side: Annotated[float, "N", 100.0]
+    """Force of the anti-thrust half towards the anti-thrust side; positive separates skirt and
+    bore.
+    """
+    friction_force_anti_thrust_side: Annotated[float, "N", 10.0]
+    """Axial force on the anti-thrust half of the skirt."""
+    flow_lower_edge: Annotated[float, "m3/s", 1e-6]
+    """Oil flow into the film through the lower edge at the end of the step."""
+    flow_upper_edge: Annotated[float, "m3/s", 1e-6]
+    """Oil flow into the film through the upper edge at the end of the step."""
+    stored_energy: Annotated[float, "J", 1e-3]
+    """Elastic energy of asperities and coating."""
+    received_power: Annotated[float, "W", 100.0]
+    """Power received from the bodies, mean over the step: stored and dissipated, minus that of the
+    pressure around the film.
+    """
+    flow_openings: Annotated[float, "m3/s", 1e-6]
+    """Oil flow into the film from cut-outs at the end of the step."""
+    oil_in_film: Annotated[float, "m3", 1e-8]
+    """Oil volume in the film."""
+    oil_on_bore: Annotated[float, "m3", 1e-8]
+    """Oil volume on the bore and at the edges of the skirt; 0 for oil_supply = edges."""
+    oil_supplied: Annotated[float, "m3", 1e-8]
+    """Oil volume supplied by ring and splash since the start, minus the oil that ran off."""
+    mass_imbalance: Annotated[float, "1"]
+    """Relative mass imbalance at the end of the step: |inflow - growth of film content| /
+    throughput.
+    """
+    contact_area_fraction: Annotated[float, "1"]
+    """Ratio of the real contact area to the skirt area."""
+    friction_power_hydrodynamic: Annotated[float, "W", 100.0]
+    """Part of the friction power due to the film."""
+    friction_power_asperity: Annotated[float, "W", 100.0]
+    """Part of the friction power due to asperities."""
+    heat_generated: Annotated[float, "W", 100.0]
+    """Heat of sliding and squeezing in the film, mean over the step; surfaces of equal temperature
+    receive half each.
+    """
+    outflow_upper_edge: Annotated[float, "m3/s", 1e-6]
+    """Oil flow out of the film at the upper edge, over the cells where it leaves; at the end of the
+    step.
+    """
+    friction_torque: Annotated[float, "N.m", 1.0]
+    """Moment of the circumferential forces on the journal about the axis of the shell."""

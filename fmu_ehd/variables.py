@@ -4,10 +4,13 @@ On a bearing skirt and bore are journal and shell; the grid, and with it the fil
 on the shell.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
-from typing import get_type_hints
+from typing import Annotated, Any, NamedTuple, get_type_hints
 
+import numpy as np
+
+from ..master.fmi.texts import description
 from ..master.fmi.variables import Variable, constant, input_variable, output_variable
 from .common.declaration import variables_of
 from .laws.oil import Oil
@@ -89,44 +92,35 @@ def film_variables(surface: str) -> list[Variable]:
     return [v for v in FILM_VARIABLES if is_of(surface, v.name)]
 
 
-def _motions(shape):
+class Motions(NamedTuple):
+    """Motions of the surface: unit, start and nominal value."""
+
+    film_thickness: Annotated[np.ndarray, "m", 1e-5, 1e-5]
+    """Radial distance from skirt to bore at the end of the step; negative where they overlap."""
+    sliding_velocity: Annotated[np.ndarray, "m/s", 0.0, 1.0]
+    """Axial velocity of the skirt relative to the bore at the end of the step."""
+    circumferential_velocity: Annotated[np.ndarray, "m/s", 0.0, 1.0]
+    """Circumferential velocity of the journal relative to the shell at the end of the step,
+    positive with ascending i.
+    """
+
+
+def _rows_of(kind: type) -> Iterator[tuple[Any, ...]]:
+    """Yield name, unit, description and numbers of the members of a named tuple."""
+    for name, hint in get_type_hints(kind, include_extras=True).items():
+        unit, *numbers = hint.__metadata__
+        yield name, unit, description(kind, name), *numbers
+
+
+def _motions(shape: tuple[int, int]) -> dict[str, Variable]:
     """Return the motions of the surface, by name."""
-    motions = (
-        input_variable(
-            "film_thickness",
-            "m",
-            "Radial distance from skirt to bore at the end of the step; negative where "
-            "they overlap",
-            1e-5,
-            1e-5,
-            shape,
-        ),
-        input_variable(
-            "sliding_velocity",
-            "m/s",
-            "Axial velocity of the skirt relative to the bore at the end of the step",
-            0.0,
-            1.0,
-            shape,
-        ),
-        input_variable(
-            TURNING_INPUT,
-            "m/s",
-            "Circumferential velocity of the journal relative to the shell at the end of "
-            "the step, positive with ascending i",
-            0.0,
-            1.0,
-            shape,
-        ),
-    )
-    return {variable.name: variable for variable in motions}
+    return {row[0]: input_variable(*row, shape=shape) for row in _rows_of(Motions)}
 
 
 def declared_outputs(kind: type, shape: tuple[int, ...] = ()) -> list[Variable]:
     """Return the outputs that `step.Fields` or `step.Scalars` declare."""
     return [
-        output_variable(name, *hint.__metadata__, shape=shape, start=STARTS.get(name, 0.0))
-        for name, hint in get_type_hints(kind, include_extras=True).items()
+        output_variable(*row, shape=shape, start=STARTS.get(row[0], 0.0)) for row in _rows_of(kind)
     ]
 
 

@@ -223,65 +223,46 @@ class Oil:
     Each constant is declared here, once: unit, default, range and meaning.
     """
 
-    viscosity_law: str = choice(
-        "Dependence of the viscosity on temperature", VISCOSITY_LAWS._fields
-    )
-    pressure_viscosity_law: str = choice(
-        "Dependence of the viscosity on pressure", PRESSURE_VISCOSITY_LAWS._fields
-    )
-    shear_thinning_law: str = choice(
-        "Dependence of the viscosity on shear rate", SHEAR_THINNING_LAWS._fields
-    )
+    viscosity_law: str = choice(VISCOSITY_LAWS._fields)
+    """Dependence of the viscosity on temperature."""
+    pressure_viscosity_law: str = choice(PRESSURE_VISCOSITY_LAWS._fields)
+    """Dependence of the viscosity on pressure."""
+    shear_thinning_law: str = choice(SHEAR_THINNING_LAWS._fields)
+    """Dependence of the viscosity on shear rate."""
 
     # Eqs. (O1) to (O3)
-    viscosity: float = declared("Pa.s", 0.01, 1e-5, 1e3, "Dynamic viscosity for the law constant")
-    vogel_viscosity: float = declared(
-        "Pa.s", 6.51457e-5, 1e-9, 1e2, "Constant K of the law vogel_1921: mu = K exp[B/(t + C)]"
-    )
-    vogel_b: float = declared("K", 1009.863, 0.0, 1e4, "Constant B of the law vogel_1921")
-    vogel_c: float = declared(
-        "K",
-        109.047,
-        50.0,
-        300.0,
-        "Constant C of the law vogel_1921, with the temperature T_o in degrees Celsius",
-    )
-    walther_a: float = declared(
-        "1", 8.0, 1.0, 20.0, "Constant A of the law walther_1931: lg lg(nu + 0.7) = A - M lg T"
-    )
-    walther_m: float = declared("1", 3.1, 0.1, 8.0, "Constant M of the law walther_1931")
-    density: float = declared(
-        "kg/m3", 850.0, 500.0, 2000.0, "Density for the laws walther_1931 and two_point"
-    )
-    viscosity_40: float = declared(
-        "Pa.s", 0.06, 1e-3, 1e2, "Dynamic viscosity at 40 degC for the law two_point"
-    )
-    viscosity_100: float = declared(
-        "Pa.s", 0.009, 5e-4, 1e1, "Dynamic viscosity at 100 degC for the law two_point"
-    )
+    viscosity: float = declared("Pa.s", 0.01, 1e-5, 1e3)
+    """Dynamic viscosity for the law constant."""
+    vogel_viscosity: float = declared("Pa.s", 6.51457e-5, 1e-9, 1e2)
+    """Constant K of the law vogel_1921: mu = K exp[B/(t + C)]."""
+    vogel_b: float = declared("K", 1009.863, 0.0, 1e4)
+    """Constant B of the law vogel_1921."""
+    vogel_c: float = declared("K", 109.047, 50.0, 300.0)
+    """Constant C of the law vogel_1921, with the temperature T_o in degrees Celsius."""
+    walther_a: float = declared("1", 8.0, 1.0, 20.0)
+    """Constant A of the law walther_1931: lg lg(nu + 0.7) = A - M lg T."""
+    walther_m: float = declared("1", 3.1, 0.1, 8.0)
+    """Constant M of the law walther_1931."""
+    density: float = declared("kg/m3", 850.0, 500.0, 2000.0)
+    """Density for the laws walther_1931 and two_point."""
+    viscosity_40: float = declared("Pa.s", 0.06, 1e-3, 1e2)
+    """Dynamic viscosity at 40 degC for the law two_point."""
+    viscosity_100: float = declared("Pa.s", 0.009, 5e-4, 1e1)
+    """Dynamic viscosity at 100 degC for the law two_point."""
 
     # Eqs. (O4), (O5)
-    pressure_viscosity_coefficient: float = declared(
-        "1/Pa", 1.5e-8, 1e-10, 1e-7, "Pressure-viscosity coefficient alpha = d ln mu/dp at p = 0"
-    )
+    pressure_viscosity_coefficient: float = declared("1/Pa", 1.5e-8, 1e-10, 1e-7)
+    """Pressure-viscosity coefficient alpha = d ln mu/dp at p = 0."""
 
     # Eqs. (O7) to (O9)
-    high_shear_ratio: float = declared(
-        "1", 0.74, 1e-3, 1.0, "Ratio of the viscosity at high shear rate to that at low shear rate"
-    )
-    shear_thinning_exponent: float = declared(
-        "1", 1.0, 0.1, 4.0, "Exponent n of the shear-thinning law; below 1 for carreau_1972"
-    )
-    critical_shear_rate_a: float = declared(
-        "1", 2.5, -5.0, 15.0, "Constant a of the critical shear rate [1/s]: lg gamma'_c = a + b T_o"
-    )
-    critical_shear_rate_b: float = declared(
-        "1/K",
-        0.0213,
-        -0.1,
-        0.1,
-        "Constant b of the critical shear rate, with the temperature T_o in degrees Celsius",
-    )
+    high_shear_ratio: float = declared("1", 0.74, 1e-3, 1.0)
+    """Ratio of the viscosity at high shear rate to that at low shear rate."""
+    shear_thinning_exponent: float = declared("1", 1.0, 0.1, 4.0)
+    """Exponent n of the shear-thinning law; below 1 for carreau_1972."""
+    critical_shear_rate_a: float = declared("1", 2.5, -5.0, 15.0)
+    """Constant a of the critical shear rate [1/s]: lg gamma'_c = a + b T_o."""
+    critical_shear_rate_b: float = declared("1/K", 0.0213, -0.1, 0.1)
+    """Constant b of the critical shear rate, with the temperature T_o in degrees Celsius."""
 
     @property
     def thinning(self) -> Thinning:

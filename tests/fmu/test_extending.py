@@ -40,7 +40,7 @@ OUTPUT = {
     "fmu_ehd/state.py": [
         (
             "    stored_energy: Annotated[",
-            '    twice_the_power: Annotated[float, "W", "Twice the friction power", 100.0]\n'
+            '    twice_the_power: Annotated[float, "W", 100.0]\n    "Twice the friction power."\n'
             "    stored_energy: Annotated[",
         )
     ],
