@@ -17,9 +17,9 @@ import numpy as np
 from .deck import (
     Deck,
     MeshFault,
-    Selection,
     first_rows,
     lines_of,
+    parts_of,
     real,
     rows_by_number,
     rows_of,
@@ -303,15 +303,7 @@ class _Assembly:
         for name, members in tables["ELSET"].items():
             if triangles := [face for key in members for face in self._triangle(*key)]:
                 faces.setdefault(name, triangles)
-
-        def selection(keys):
-            present = Counter(others[key] for key in keys if key in others)
-            return Selection(
-                np.array([solids[key] for key in keys if key in solids], dtype=int), present
-            )
-
-        instances = self._instances()
-        sets = {name: keys for name, keys in tables["ELSET"].items() if name not in instances}
+        instances = self._instances()  # before and instead of sets with their names
         return Deck(
             np.vstack([np.zeros((0, 3)), *(part.points() for part in self.parts)]),
             tetrahedra(tets),
@@ -319,11 +311,7 @@ class _Assembly:
             {name: np.array(rows, dtype=int).reshape(-1, 3) for name, rows in faces.items()},
             np.array(labels),
             Counter(others.values()),
-            {
-                name: selection(keys)
-                for name, keys in (instances | sets).items()
-                if name in instances or not solids.keys().isdisjoint(keys)
-            },
+            parts_of(instances | tables["ELSET"] | instances, solids, others),
             self._materials(solids),
             faults=faults,
         )

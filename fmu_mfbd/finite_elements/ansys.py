@@ -17,8 +17,8 @@ from .deck import (
     OMITTED,
     Deck,
     MeshFault,
-    Selection,
     first_rows,
+    parts_of,
     real,
     rows_by_number,
     rows_of,
@@ -182,11 +182,6 @@ def read_ansys(path: Path) -> Deck:
     row = {label: row for row, label in enumerate(tets)}
 
     properties, remarks = archive.materials()
-
-    def selection(labels):
-        rows = np.array([row[label] for label in labels if label in row], dtype=int)
-        return Selection(rows, Counter(others[label] for label in labels if label in others))
-
     return Deck(
         np.array(archive.points),
         tetrahedra(list(tets.values())),
@@ -196,11 +191,7 @@ def read_ansys(path: Path) -> Deck:
         },
         labels=np.array(archive.labels),
         other=Counter(others.values()),
-        parts={
-            name: selection(labels)
-            for name, labels in groups.items()
-            if not row.keys().isdisjoint(labels)
-        },
+        parts=parts_of(groups, row, others),
         materials=materials,
         properties=properties,
         remarks=tuple(remarks),

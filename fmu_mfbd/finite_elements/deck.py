@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -258,6 +258,29 @@ def tetrahedra(elements: Sequence[Sequence[int]]) -> np.ndarray:
     """Return tetrahedra of four or ten nodes as an array, (e, 10), with -1 for omitted nodes."""
     rows = [[*nodes, *[-1] * (NODES - len(nodes))] for nodes in elements]
     return np.array(rows, dtype=np.int64).reshape(-1, NODES)
+
+
+def parts_of(
+    groups: Mapping[str, Collection[Any]], solids: Mapping[Any, int], others: Mapping[Any, str]
+) -> dict[str, Selection]:
+    """Return the parts of a file: the groups of elements that contain solid elements.
+
+    Parameters
+    ----------
+    groups : mapping of str to collection
+        Keys of the elements of each group.
+    solids : mapping
+        Row of each tetrahedron among those of the deck, by the key of the element.
+    others : mapping
+        Type of each other element by its key.
+    """
+    parts: dict[str, Selection] = {}
+    for name, keys in groups.items():
+        tets = [solids[key] for key in keys if key in solids]
+        other = Counter(others[key] for key in keys if key in others)
+        if tets or other.keys() - {*FLAT}:
+            parts[name] = Selection(np.array(tets, dtype=int), other)
+    return parts
 
 
 def first_rows(

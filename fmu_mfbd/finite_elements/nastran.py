@@ -9,18 +9,14 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
-from .deck import OMITTED, Deck, MeshFault, Selection, lines_of, real, rows_of, tetrahedra
+from .deck import OMITTED, Deck, MeshFault, lines_of, parts_of, real, rows_of, tetrahedra
 
 SOLIDS = ("CHEXA", "CPENTA", "CPYRA", "CPYRAM")
 SYSTEMS = ("CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S")
-
-
-Selected: TypeAlias = tuple[list[int], Counter[str]]
-"""Rows of tetrahedra of a part, and the number of its other solids."""
 
 
 @dataclass
@@ -129,22 +125,17 @@ def read_nastran(path: Path) -> Deck:
             if label in used:
                 raise
     number = {label: row for row, label in enumerate(points)} | OMITTED
-    members: dict[int, Selected] = defaultdict(lambda: ([], Counter()))
-    for row, card in enumerate(elements):
-        members[_property(card)][0].append(row)
-    for card in solids:
-        members[_property(card)][1][card.name] += 1
-        other[card.name] += 1
+    others = {len(elements) + k: card.name for k, card in enumerate(solids)}
+    groups: dict[str, list[int]] = defaultdict(list)
+    for k, card in enumerate(elements + solids):
+        groups[str(_property(card))].append(k)
     known = [materials.get(_property(card), "") for card in elements]
     return Deck(
         np.array(list(points.values()), dtype=float).reshape(-1, 3),
         tetrahedra([rows_of(number, nodes, str(card)) for nodes, card in zip(tets, elements)]),
         labels=np.array(list(points), dtype=int),
-        other=other,
-        parts={
-            str(k): Selection(np.array(rows, dtype=int), others)
-            for k, (rows, others) in members.items()
-        },
+        other=other + Counter(others.values()),
+        parts=parts_of(groups, {k: k for k in range(len(elements))}, others),
         materials=known if any(known) else (),
         properties={
             name: own | {key: weight * own[key] for key in ("density",) if key in own}
