@@ -245,8 +245,8 @@ def print_answers(answers, verbose=False):
     `answers` maps labels to `engine.answer.Answer`. `verbose` prints all checks.
     """
     table = Table("", *answers, box=None, pad_edge=False)
-    for name in dict.fromkeys(line.name for one in answers.values() for line in one.lines):
-        table.add_row(name, *(one.said(name) for one in answers.values()))
+    for name in dict.fromkeys(name for one in answers.values() for name in one.lines):
+        table.add_row(name, *(one.lines.get(name, "") for one in answers.values()))
     wide_console().print(table, highlight=False)
     for label, one in answers.items():
         if one.uncertainty:
@@ -272,8 +272,10 @@ def print_compared(runs):
     tell(found.headline, markup=False)
     table = Table("", *found.names, "difference", box=None, pad_edge=False)
     for row in found.rows:
-        table.add_row(row.label, row.first, row.second, row.text)
+        table.add_row(row.label, row.first.figure, row.second.figure, row.text)
     wide_console().print(table, highlight=False)
+    for remark in found.remarks:
+        say(remark)
 
 
 def draw_pictures(case, runs, folder, kind=None, paper=False):

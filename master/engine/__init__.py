@@ -2,10 +2,9 @@
 
 new          a new case of an engine from a few lengths
 step_mesh    its piston from a STEP file; piston_mesh: a generated one, slipper or full skirt
-answer       main results and checks of a run
+answer       main results in ten lines, checks and uncertainties of a run
 measures     table of the measures of a run, which all others read
 friction     friction power, mean effective pressure and share of contact of all films
-headlines    film, pressure, friction, side force, slap, oil: ten lines
 impacts      impacts of a piston on the bore: energy lost, and the edge that strikes
 oil_balance  oil that passes the edges of a film in a period
 uncertainty  parts of the uncertainty of a figure, the rule that combines them, and its text

@@ -10,24 +10,37 @@ from ..case.tables import reduced
 from ..fmi.quantities import short
 from ..results.file import Results
 from ..results.instants import crank_angle
-from .headlines import Headline, headlines
-from .measures import Measures, measures
-from .uncertainty import DIVERGES, UNKNOWN
+from .measures import Measures, measures, unknown_in_words
+from .uncertainty import UNKNOWN
 from .verdicts import RANK, WORDS, Verdict, verdicts
+
+ENDS = ("minimum", "maximum")
+LINES = (
+    ("minimum film", "films", ["minimum_film_thickness_m"], ""),
+    ("maximum pressure", "films", ["maximum_pressure_pa"], ""),
+    ("pressure peak", "films", ["peak_distance_rad"], "; "),
+    ("friction", "", ["mean_friction_power_w", "friction_mean_effective_pressure_pa"], ", "),
+    ("asperity contact", "films", ["contact_share", "contact_area"], ", "),
+    ("side force", "bodies", ["side_force_n", "side_force_demand_n"], "; "),
+    ("slap", "bodies", ["slap_energy_j"], ""),
+    ("lateral motion", "bodies", [f"{end}_lateral_displacement_m" for end in ENDS], " to "),
+    ("rocking angle", "bodies", [f"{end}_rocking_angle_rad" for end in ENDS], " to "),
+    ("oil", "films", ["oil_throughput_m3"], ""),
+)
+"""Name of a line, whose participants have one, its measures, and the text between them.
+
+A line of "" is about all participants.
+"""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Lines of the main results, every check, the measures of the run, and their uncertainty."""
+    """Main results of a run as texts by name, its checks, measures, and their uncertainty."""
 
-    lines: list[Headline]
+    lines: dict[str, str]
     verdicts: list[Verdict]
     table: Measures = field(default_factory=Measures)
     uncertainty: str = ""
-
-    def said(self, name: str) -> str:
-        """Return the text of the line of that name, "" if there is none."""
-        return next((line.said for line in self.lines if line.name == name), "")
 
 
 def answer(case, results) -> Answer:
@@ -44,12 +57,24 @@ def answer(case, results) -> Answer:
     table = measures(case, results)
     lines = headlines(table) or _own_summary(case, results)
     judged = verdicts(results, table)
-    if settled := _settled(results):
-        lines.append(Headline("periodicity", settled))
-    lines.append(Headline("run", _computed(results.whole)))
-    if judged:
-        lines.append(Headline("checks", _counted(judged)))
-    return Answer(lines, judged, table, uncertainty_text(table, results.summary or {}))
+    lines |= {"periodicity": _settled(results), "run": _computed(results.whole)}
+    lines["checks"] = _counted(judged)
+    text = uncertainty_text(table, results.summary or {})
+    return Answer({name: said for name, said in lines.items() if said}, judged, table, text)
+
+
+def headlines(table: Measures) -> dict[str, str]:
+    """Return the main results of a run by name, none without a piston and its film."""
+    if not table.films or not table.bodies:
+        return {}
+    owners = {"films": table.films, "bodies": table.bodies, "": [""]}
+    found = {}
+    for name, kind, keys, between in LINES:
+        for owner in owners[kind]:
+            known = [one for one in table.all if one.owner == owner and one.key in keys]
+            alone = len(owners[kind]) == 1
+            found[name if alone else f"{name}, {owner}"] = between.join(one.text for one in known)
+    return {name: said for name, said in found.items() if said}
 
 
 def row_of(case, path) -> dict[str, float | str]:
@@ -87,34 +112,25 @@ def uncertainty_text(table: Measures, summary: dict) -> str:
         parts = Counter(one.uncertainty.contributor for one in known)
         cause, count = parts.most_common(1)[0]
         said = [f"Uncertainties are {how}. The largest part of {count} of {len(known)} is {cause}."]
-    for reason in dict.fromkeys(one.uncertainty.reason for one in table.estimated):
-        names = [one.label for one in table.estimated if one.uncertainty.reason == reason]
-        if reason and reason != DIVERGES:
-            of = names[0] if len(names) == 1 else f"{len(names)} figures"
-            said.append(f"The uncertainty of {of} is unknown: {reason}.")
+    said += unknown_in_words(table.estimated)
     if why := summary.get("uncertainty_reason"):
         said.append(f"A second grid is not possible: {why}.")
     return " ".join(said)
 
 
 def _own_summary(case, results):
-    """Return the summary entries of the case."""
-    summary = results.summary or {}
-    return [
-        _in_words(name, text, summary[name], results)
-        for name, text in case.summary.items()
-        if name in summary
-    ]
-
-
-def _in_words(name, text, value, results):
-    """Return an entry with its unit, removed from its name. An entry of no output has no unit."""
-    port = reduced(text).port
-    if port not in results.ports:
-        return Headline(name.replace("_", " "), f"{value:.6g}")
-    unit = results.series(port).unit
-    spelt = "_" + re.sub(r"\W+", "_", unit).lower()
-    return Headline(name.removesuffix(spelt).replace("_", " "), short(value, unit, 4))
+    """Return the summary entries of the case in words, with the units of their outputs."""
+    summary, found = results.summary or {}, {}
+    for name, text in case.summary.items():
+        port = reduced(text).port
+        if name in summary and port in results.ports:
+            unit = results.series(port).unit
+            spelt = "_" + re.sub(r"\W+", "_", unit).lower()
+            words = name.removesuffix(spelt).replace("_", " ")
+            found[words] = short(summary[name], unit, 4)
+        elif name in summary:
+            found[name.replace("_", " ")] = f"{summary[name]:.6g}"
+    return found
 
 
 def _settled(results):

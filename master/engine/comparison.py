@@ -9,12 +9,11 @@ A difference below u is not distinguishable from zero.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import hypot
 from pathlib import PurePath
-from typing import Any
+from typing import Any, NamedTuple
 
-from .measures import LEAST_SHARE, Measure, Measures
+from .measures import LEAST_SHARE, Measure, Measures, unknown_in_words
 from .uncertainty import DIVERGES, display_unit, numbers_text
 
 SHARED = 0.2
@@ -33,41 +32,47 @@ BETTER = {
     "oil_throughput_m3": 0,
 }
 """Key of a compared measure -> sign of a change that improves a design, 0 for neither."""
+MAIN = ("minimum_film_thickness_m", "maximum_pressure_pa", "mean_friction_power_w", "slap_energy_j")
+"""Keys of the measures that a headline compares, the worst ones of all participants."""
 NOT_RESULTS = ("title", "label", "monitor", "pictures", "axes", "window", "studies", "variants")
 """Tables of a case that do not affect its results."""
 MOST_NAMED = 3
 """Largest number of differences that a headline names."""
-NOT_DISTINGUISHABLE = "not distinguishable"
+NOT_DISTINGUISHABLE, NOT_KNOWN = "not distinguishable", "uncertainty unknown"
 
 
-@dataclass(frozen=True)
-class Difference:
+class Difference(NamedTuple):
     """Difference of a figure between a first and a second run.
 
-    label : of the figure; first, second : their texts; text : difference with its uncertainty, or
-    `NOT_DISTINGUISHABLE`, or why it is unknown; size : of a known difference, 0 otherwise; better :
-    1 if the first run is better, -1 if the second is, else 0.
+    text : difference with its uncertainty, `NOT_DISTINGUISHABLE`, `NOT_KNOWN` or `DIVERGES`; size :
+    of a known difference, 0 otherwise; better : 1 if the first run is better, -1 if the second is,
+    else 0.
     """
 
-    label: str
-    first: str
-    second: str
+    first: Measure
+    second: Measure
     text: str
-    size: float
-    better: int
+    size: float = 0.0
+    better: int = 0
+
+    @property
+    def label(self) -> str:
+        """Name of the figure."""
+        return self.first.label
 
 
-@dataclass(frozen=True)
-class Compared:
+class Compared(NamedTuple):
     """Comparison of two runs.
 
-    headline : sentence; names : what is different in the first and the second run; rows : the
-    difference of every figure.
+    headline : sentences; names : what is different in the first and the second run; rows : the
+    differences of the figures that are not zero in both runs; remarks : sentences about the others,
+    and about unknown uncertainties.
     """
 
     headline: str
     names: tuple[str, str]
     rows: list[Difference]
+    remarks: list[str]
 
 
 def compared(
@@ -83,16 +88,21 @@ def compared(
         Their resolved TOML trees.
     tables : sequence of Measures
     """
-    first, second = tables
     alike = grids(trees[0]) == grids(trees[1])
-    rows = [
-        difference(one, other, alike)
-        for one in first.all
-        if one.key in BETTER and not (one.key == "mean_friction_power_w" and one.owner)
-        if (other := second.of(one.key, one.owner))
-    ]
     found = differing(trees[0], trees[1], names)
-    return Compared(headline(found, rows), found, rows)
+    rows = [
+        difference(tables[0].named(one), other, alike)
+        for one in tables[0].all
+        if one.key in BETTER and not (one.key == "mean_friction_power_w" and one.owner)
+        if (other := tables[1].of(one.key, one.owner))
+    ]
+    zero = [row for row in rows if not row.first.value and not row.second.value]
+    rows = [row for row in rows if row not in zero]
+    remarks = [f"Zero in both runs: {', '.join(row.label for row in zero)}."] if zero else []
+    remarks += unknown_in_words([one for row in rows for one in (row.first, row.second)])
+    worst = [[table.worst(key) for key in MAIN] for table in tables]
+    main = [difference(one, other, alike) for one, other in zip(*worst) if one and other]
+    return Compared(headline(found, main), found, rows, remarks)
 
 
 def grids(tree: Mapping[str, Any]) -> list[Any]:
@@ -118,17 +128,16 @@ def spread(one: Measure, other: Measure, alike: bool) -> float | None:
 def difference(one: Measure, other: Measure, alike: bool) -> Difference:
     """Return the difference of a figure; `alike`: whether both runs have equal grids and steps."""
     size, own = one.value - other.value, spread(one, other, alike)
-    texts = one.label, one.figure, other.figure
     if own is None:
         reasons = [each.uncertainty.reason for each in (one, other)]
-        text = DIVERGES if DIVERGES in reasons else f"uncertainty unknown: {max(reasons)}"
-        return Difference(*texts, text, 0.0, 0)
+        return Difference(one, other, DIVERGES if DIVERGES in reasons else NOT_KNOWN)
     if abs(size) <= own or (one.unit == "1" and abs(size) < LEAST_SHARE):
-        return Difference(*texts, NOT_DISTINGUISHABLE, 0.0, 0)
+        return Difference(one, other, NOT_DISTINGUISHABLE)
     factor, label = display_unit(one.unit, max(abs(size), own))
     text = f"{numbers_text(factor * size, factor * own)} {label}".strip()
     sign = 1 if size > 0.0 else -1
-    return Difference(*texts, f"+{text}" if sign > 0 else text, size, sign * BETTER.get(one.key, 0))
+    better = sign * BETTER.get(one.key, 0)
+    return Difference(one, other, f"+{text}" if sign > 0 else text, size, better)
 
 
 def leaves(tree: Any, key: str = "") -> dict[str, Any]:
@@ -173,29 +182,29 @@ def _shown(key, known):
     return f"{words} {value}"
 
 
-def headline(names: tuple[str, str], rows: list[Difference]) -> str:
-    """Return a sentence about two runs: what differs, and what that changes."""
-    first, second = names
-    changes = [row for row in rows if row.size]
-    same = [row for row in rows if row.text == NOT_DISTINGUISHABLE]
+def headline(names: Sequence[str], rows: list[Difference]) -> str:
+    """Return sentences about two runs: what differs, what that changes, and which is better."""
+    said = [changes(names, rows)]
+    for text in dict.fromkeys(row.text for row in rows if not row.size):
+        own = ", ".join(row.label for row in rows if row.text == text)
+        said.append(f"{text[0].upper()}{text[1:]}: {own}.")
+    for name, sign in zip(names, (1, -1)):
+        if own := [row.label for row in rows if row.better == sign]:
+            said.append(f"Better with {name}: {', '.join(own)}.")
+    return " ".join(said)
+
+
+def changes(names: Sequence[str], rows: list[Difference]) -> str:
+    """Return sentences about what differs in two runs, and what that changes."""
+    first, second, *_ = names
     said = []
     for verb, sign in (("raises", 1), ("lowers", -1)):
-        own = [
-            f"the {one.label} by {one.text.lstrip('+-')}" for one in changes if one.size * sign > 0
-        ]
-        said += [f"{verb} {listed(own)}"] if own else []
-    text = f"{first} instead of {second} {listed(said) if said else 'makes no clear difference'}."
-    if same and changes:
-        text += f" Not distinguishable: {', '.join(row.label for row in same)}."
-    wins = [_won(name, rows, sign) for name, sign in ((first, 1), (second, -1))]
-    begin = text[0] if "." in first else text[0].upper()  # the name of a file keeps its letters
-    return " ".join(filter(None, [begin + text[1:], *wins]))
-
-
-def _won(name, rows, sign):
-    """Return the figures in which a run is better, as a sentence."""
-    own = [row.label for row in rows if row.better == sign]
-    return f"Better with {name}: {', '.join(own)}." if own else ""
+        known = [row for row in rows if row.size * sign > 0]
+        own = [f"the {row.label} by {row.text.lstrip('+-')}" for row in known]
+        said += [f"{verb} {listed(own)}."] if own else []
+    begin = first if "." in first else f"{first[0].upper()}{first[1:]}"  # a file keeps its letters
+    said = said or ["makes no clear difference."]
+    return f"{begin} instead of {second} {' It '.join(said)}"
 
 
 def listed(texts: Sequence[str]) -> str:

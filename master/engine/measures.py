@@ -34,15 +34,15 @@ from .peaks import ABOVE, BESIDE, side_peaks
 from .places import CellPosition, highest_position, thinnest_position
 from .uncertainty import (
     CAUSES,
-    DISPLAYED,
     DIVERGES,
     LUCK,
     UNKNOWN,
     Uncertainty,
     at_least,
     combined,
+    display_unit,
     entry_of,
-    spread_text,
+    numbers_text,
 )
 
 DESIGN = {
@@ -53,43 +53,28 @@ DESIGN = {
     "contact_share": "lower",
 }
 """Measures of a design and where it wants them; each name ends with its unit."""
-CHECKS = {"minimum_film_thickness_m": ("film",), "maximum_pressure_pa": ("pressure", "grid")}
-"""Measure -> checks about it, without the name of its film."""
 TRACE = 1e-6
-"""Share that is displayed as 0."""
+"""Share up to which contact counts as none."""
 LEAST_SHARE = 5e-5
 """Uncertainty of a share below which the share is displayed alone: half of its last digit."""
-NO_IMPACT = "no impact"
-"""Text of the slap energy of a piston without impacts."""
+NO_IMPACT, NO_CONTACT = "no impact", "no contact"
+"""Texts of the slap energy of a piston without impacts, and of contact that does not occur."""
+POWER: dict[str, Any] = {
+    "key": "mean_friction_power_w",
+    "label": "mean friction power",
+    "unit": "W",
+}
 
 
 @dataclass(frozen=True)
 class Measure:
     """Figure of the last period of a run.
 
-    Parameters
-    ----------
-    key : str
-        Name, which ends with its unit.
-    label : str
-        Name in words.
-    value : float
-        In the SI unit `unit`.
-    owner : str
-        Participant, "" for all of them.
-    row : int or None
-        Macro step of an extreme value.
-    place : CellPosition or None
-        Cell of an extreme value.
-    before, note : str
-        Words before and after the value.
-    shown : str
-        Text that replaces the value.
-    scale : float or None
-        Part of the value that depends on the film, default: the value.
-    course : Course or None
-        Values over the macro steps that the figure is made of.
-    uncertainty : Uncertainty
+    key : name, which ends with its unit; label : name in words; value : in the SI unit `unit`;
+    owner : participant, "" for all of them; row, place : macro step and cell of an extreme value;
+    before, note : words before and after the value; shown : text that replaces the value; scale :
+    part of the value that depends on the film, default: the value; course : values over the macro
+    steps that the figure is made of.
     """
 
     key: str
@@ -109,13 +94,18 @@ class Measure:
     @property
     def figure(self) -> str:
         """Value with its uncertainty and unit."""
-        spread = self.uncertainty.value
         if self.shown:
             return self.shown
-        if spread and (self.unit != "1" or spread >= LEAST_SHARE):
-            return spread_text(self.value, spread, self.unit)
-        text = value_text(self.value, self.unit)
+        factor, label = display_unit(self.unit, max(abs(self.value), self.uncertainty.value or 0.0))
+        text = f"{self.number(factor)} {label}".rstrip()
         return f"{text} ({DIVERGES})" if self.uncertainty.reason == DIVERGES else text
+
+    def number(self, factor: float) -> str:
+        """Return value and uncertainty times a factor, in digits that fit each other."""
+        spread = self.uncertainty.value or 0.0
+        if self.unit == "1" and spread < LEAST_SHARE:
+            spread = 0.0
+        return numbers_text(factor * self.value, factor * spread)
 
     @property
     def text(self) -> str:
@@ -146,6 +136,12 @@ class Measures:
         way = min if DESIGN.get(key) == "raise" else max
         return way(known, key=lambda one: one.value, default=None)
 
+    def named(self, one: Measure) -> Measure:
+        """Return a measure whose label names its participant, if several have such a measure."""
+        others = [m for m in self.all if m.key == one.key and m.owner]
+        several = one.owner and len(others) > 1
+        return replace(one, label=f"{one.label}, {one.owner}") if several else one
+
     @property
     def estimated(self) -> list[Measure]:
         """Measures that have an uncertainty, or a reason why it is unknown."""
@@ -158,19 +154,14 @@ class Measures:
         return {key: one.value for key, one in found.items() if one}
 
 
-def value_text(value: float, unit: str) -> str:
-    """Return a value with three digits: shares in percent, volumes in mm³, angles in degrees."""
-    if unit == "1":
-        return f"{value:.2%}"
-    if unit not in DISPLAYED:
-        return short(value, unit)
-    factor, label = DISPLAYED[unit]
-    return f"{factor * value:.3g} {label}"
-
-
-def without_trace(share: float) -> float:
-    """Return a share, 0 if it is a trace."""
-    return share if share > TRACE else 0.0
+def unknown_in_words(known: list[Measure]) -> list[str]:
+    """Return a sentence for each reason why uncertainties are unknown."""
+    found: dict[str, list[str]] = {}
+    for one in known:
+        if one.uncertainty.reason not in ("", DIVERGES):
+            found.setdefault(one.uncertainty.reason, []).append(one.label)
+    names = {why: own[0] if len(own) == 1 else f"{len(own)} figures" for why, own in found.items()}
+    return [f"The uncertainty of {name} is unknown: {why}." for why, name in names.items()]
 
 
 def measures(case: Case, results: Results) -> Measures:
@@ -198,23 +189,21 @@ def measures(case: Case, results: Results) -> Measures:
 
 def _estimated(measure: Measure, indicator: Indicator, results: Results, films) -> Measure:
     """Return a measure with its uncertainty: the parts of `run --uncertainty`, or estimates."""
-    summary = results.summary or {}
-    parts = indicator.parts(measure)
-    entries = {cause: entry_of(cause, measure.name) for cause in CAUSES}
-    known = {
-        cause: at_least(summary[name], LUCK * parts.get(cause, 0.0))
-        for cause, name in entries.items()
-        if name in summary
-    }
-    parts |= known
-    film = indicator.film_of(measure.owner)
     if measure.key not in GRID or measure.shown:
         return measure
+    film = indicator.film_of(measure.owner)
     if measure.key == "maximum_pressure_pa" and film and film.narrow:
         return replace(measure, uncertainty=Uncertainty(None, "grid", DIVERGES))
-    if "grid" not in parts:
-        return replace(measure, uncertainty=Uncertainty(None, "", reason(results, films)))
-    return replace(measure, uncertainty=combined(parts, signed=bool(known)))
+    summary, parts = results.summary or {}, indicator.parts(measure)
+    known = {
+        cause: at_least(summary[name], LUCK * parts.get(cause, 0.0))
+        for cause in CAUSES
+        if (name := entry_of(cause, measure.name)) in summary
+    }
+    if "grid" not in parts | known:
+        own = [measure.owner] if measure.owner in films else films
+        return replace(measure, uncertainty=Uncertainty(None, "", reason(results, own)))
+    return replace(measure, uncertainty=combined(parts | known, signed=bool(known)))
 
 
 def directions(case: Case) -> dict[str, str]:
@@ -246,9 +235,12 @@ class _Run:
         port = f"{owner}.{output}"
         return self.results.series(port).values if port in self.results.ports else None
 
-    def course(self, owner: str, output: str, reduce: Reduction) -> Course:
-        """Return a scalar output of the whole run, and the function that makes a figure of it."""
-        return Course(self.results.whole.series(f"{owner}.{output}").values, reduce)
+    def figure(self, owner: str, output: str, reduce: Reduction, **words: Any) -> Measure:
+        """Return the figure that a reduction makes of a scalar output; `words` : of `Measure`."""
+        port = f"{owner}.{output}"
+        course = Course(self.results.whole.series(port).values, reduce)
+        value = float(reduce(self.results.time, self.results.series(port).values))
+        return Measure(value=value, owner=owner, course=course, **words)
 
     def at(self, row: int) -> str:
         """Return a row as a crank angle, or as a time if the run has no crank angle."""
@@ -269,34 +261,27 @@ def _of_film(run: _Run, film: str) -> Iterator[Measure]:
     for output, unit, row_of, position, reduce in EXTREMES:
         values = run.values(film, output)
         if values is not None:
-            row = int(row_of(values))
-            place = position(run.case, run.results, film)
+            row, place = int(row_of(values)), position(run.case, run.results, film)
+            words: dict[str, Any] = {"label": output.replace("_", " "), "unit": unit}
+            words |= {"key": f"{output}_{unit.lower()}", "row": row, "place": place}
             note = ", ".join(filter(None, [run.at(row), place and place.brief]))
-            key, label = f"{output}_{unit.lower()}", output.replace("_", " ")
-            value, course = float(values[row]), run.course(film, output, reduce)
-            yield Measure(key, label, value, unit, film, row, place, note=note, course=course)
+            yield run.figure(film, output, reduce, note=note, **words)
     yield from _peaks(run, film)
     power = run.values(film, "friction_power")
     if power is not None and len(power) > 1:
-        mean, course = (
-            mean_over(run.results.time, power),
-            run.course(film, "friction_power", mean_over),
-        )
-        label = "mean friction power"
-        yield Measure("mean_friction_power_w", label, mean, "W", film, course=course)
+        yield run.figure(film, "friction_power", mean_over, **POWER)
     share, area = contact_share(run.results, film), run.values(film, "contact_area_fraction")
     if share is not None:
-        label = "friction work by asperity contact"
         dry = area is not None and not area.max() > 0.0
-        note, shown = ("", "no contact") if dry else ("of the friction work", "")
+        note, shown = ("", NO_CONTACT) if dry else ("of the friction work", "")
+        label = "friction work by asperity contact"
+        share = share if share > TRACE else 0.0
         yield Measure("contact_share", label, share, "1", film, note=note, shown=shown)
     if area is not None and area.max() > 0.0:
         what = "skirt" if run.values(film, "friction_torque") is None else "bearing"
-        words: dict[str, Any] = {"before": "on at most", "note": f"of the {what}"}
-        row = int(area.argmax())
-        yield Measure(
-            "contact_area", "area of contact", float(area[row]), "1", film, row, None, **words
-        )
+        label, note = "area of contact", f"of the {what}"
+        size, row = float(area.max()), int(area.argmax())
+        yield Measure("contact_area", label, size, "1", film, row, None, "on at most", note)
     if balance := oil_balance(run.results, film):
         before = f"net {_net(balance)} per period; throughput"
         label, through = "oil throughput per period", balance.throughput
@@ -307,11 +292,11 @@ def _net(balance):
     """Return the net volumes through the edges of a film in words."""
     ways = {"lower edge": balance.lower, "upper edge": balance.upper, "cut-outs": balance.openings}
     net = ", ".join(
-        f"{value_text(abs(volume), 'm3')} {'in' if volume > 0.0 else 'out'} through the {way}"
+        f"{1e9 * abs(volume):.3g} mm³ {'in' if volume > 0.0 else 'out'} through the {way}"
         for way, volume in ways.items()
         if volume
     )
-    return net or value_text(0.0, "m3")
+    return net or "0 mm³"
 
 
 def _peaks(run, film) -> Iterator[Measure]:
@@ -338,8 +323,7 @@ def _of_friction(run: _Run) -> Iterator[Measure]:
     if power is None or whole is None or len(power) < 2:
         return
     mean = mean_over(run.results.time, power)
-    words: dict[str, Any] = {"before": "mean", "course": Course(whole, mean_over)}
-    yield Measure("mean_friction_power_w", "mean friction power", mean, "W", **words)
+    yield Measure(value=mean, before="mean", course=Course(whole, mean_over), **POWER)
     pressure, crank = friction_pressure(run.results), crank_angle(run.results)
     if pressure is not None and crank is not None:
         begin, *_, end = np.degrees(crank.angle)
@@ -355,45 +339,41 @@ def _of_friction(run: _Run) -> Iterator[Measure]:
 
 
 def _of_body(run: _Run, body: str, film: str) -> Iterator[Measure]:
-    for output, label, before in (
-        ("side_force", "maximum side force", ""),
-        ("side_force_demand", "maximum side-force demand", "demand"),
+    demand = run.values(body, "side_force_demand")
+    for output, what, before in (
+        ("side_force", "side force", ""),
+        ("side_force_demand", "side-force demand", "demand"),
     ):
         force = run.values(body, output)
-        if force is not None:
-            row = int(np.abs(force).argmax())
-            side = "thrust" if force[row] >= 0.0 else "anti-thrust"
-            words: dict[str, Any] = {"before": before, "note": f"on the {side} side {run.at(row)}"}
-            words["course"] = run.course(body, output, of_extreme(largest))
-            size = float(abs(force[row]))
-            demand = run.values(body, "side_force_demand")
-            words["scale"] = None if demand is None else abs(size - largest(demand))
-            yield Measure(f"{output}_n", label, size, "N", body, row, None, **words)
+        if force is None:
+            continue
+        row = int(np.abs(force).argmax())
+        note = f"on the {'thrust' if force[row] >= 0.0 else 'anti-thrust'} side {run.at(row)}"
+        words: dict[str, Any] = {"key": f"{output}_n", "label": f"maximum {what}", "unit": "N"}
+        words["scale"] = None if demand is None else abs(largest(force) - largest(demand))
+        reduce = of_extreme(largest)
+        yield run.figure(body, output, reduce, row=row, before=before, note=note, **words)
     found = impacts(run.results, body)
     if found is not None:
         worst = max(found, key=lambda impact: impact.loss, default=None)
-        size, row = (worst.loss, worst.row) if worst else (0.0, None)
-        words = {"note": _slap(run, worst, film)} if worst else {"shown": NO_IMPACT}
-        words["course"] = run.course(body, "piston_kinetic_energy", hardest)
-        label = "energy lost in the hardest impact"
-        yield Measure("slap_energy_j", label, size, "J", body, row, None, **words)
-    for output, label, unit in (
-        ("lateral_displacement", "lateral displacement", "m"),
-        ("rocking_angle", "rocking angle", "rad"),
-    ):
+        words = (
+            {"note": _slap(run, worst, film), "row": worst.row} if worst else {"shown": NO_IMPACT}
+        )
+        words |= {"key": "slap_energy_j", "label": "energy lost in the hardest impact", "unit": "J"}
+        yield run.figure(body, "piston_kinetic_energy", hardest, **words)
+    for output, unit in (("lateral_displacement", "m"), ("rocking_angle", "rad")):
         values = run.values(body, output)
         if values is None:
             continue
         for word, row, reduce in (
             ("minimum", int(values.argmin()), np.min),
             ("maximum", int(values.argmax()), np.max),
-            ("range of", None, np.ptp),
+            ("range", None, np.ptp),
             ("largest", int(np.abs(values).argmax()), largest),
         ):
-            key = f"{word.removesuffix(' of')}_{output}_{unit}"
-            course = run.course(body, output, of_extreme(reduce))
-            size = float(reduce(values))
-            yield Measure(key, f"{word} {label}", size, unit, body, row, course=course)
+            label = f"{word} {'of ' if row is None else ''}{output.replace('_', ' ')}"
+            words = {"key": f"{word}_{output}_{unit}", "label": label, "unit": unit, "row": row}
+            yield run.figure(body, output, of_extreme(reduce), **words)
 
 
 def _slap(run, impact, film):

@@ -5,59 +5,76 @@ Every value refers to the last period of a run.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from functools import cached_property, partial
 
 import numpy as np
 
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
 from ..results.file import Results
-from .comparison import NOT_DISTINGUISHABLE, difference, differing, grids, listed
-from .measures import NO_IMPACT, Measure, Measures, value_text, without_trace
-from .uncertainty import display_unit
+from .comparison import NOT_DISTINGUISHABLE, changes, difference, differing, grids, listed
+from .measures import NO_IMPACT, Measure, Measures
+from .uncertainty import DIVERGES, display_unit
 
-LEAST_CHANGE = 0.005
-"""Relative change below which the sentence names no change."""
+MOTION = (
+    "side_force_n",
+    "slap_energy_j",
+    "range_lateral_displacement_m",
+    "range_rocking_angle_rad",
+)
+"""Keys of the measures of bodies that the page compares."""
 
 
-class Comparison(NamedTuple):
-    """Result of every run in one unit. A run that lacks it has None and an empty note.
+@dataclass(frozen=True)
+class Comparison:
+    """Measure of every run in one unit, None for a run that lacks it.
 
-    spreads : uncertainty of every run, None if it is unknown; clear : whether the difference of the
-    first run from each run is larger than its uncertainty, or the uncertainty is unknown;
-    computed : whether all uncertainties come from `run --uncertainty`.
+    alike : whether a run has the grids and steps of the first one.
     """
 
-    name: str
-    unit: str
-    values: list[float | None]
-    notes: list[str]
-    spreads: list[float | None]
-    clear: list[bool]
-    computed: bool
+    cells: list[Measure | None]
+    alike: list[bool]
 
-    def number(self, run: int) -> str:
-        """Return the value of a run with three digits."""
-        value = self.values[run]
-        return "" if value is None else f"{value:.3g}"
+    @cached_property
+    def known(self) -> list[Measure]:
+        """Measures of the runs that have it."""
+        return [one for one in self.cells if one]
+
+    @property
+    def name(self) -> str:
+        """Name of the measure."""
+        return self.known[0].label
+
+    @cached_property
+    def scale(self) -> tuple[float, str]:
+        """Factor from SI to the unit of the values, and its label."""
+        return display_unit(self.known[0].unit, max(abs(one.value) for one in self.known))
 
     def text(self, run: int) -> str:
-        """Return the value of a run with three digits and its uncertainty with two."""
-        spread = self.spreads[run]
-        return f"{self.number(run)} +- {spread:.2g}" if spread else self.number(run)
+        """Return the value of a run with its uncertainty."""
+        one = self.cells[run]
+        return one.number(self.scale[0]) if one else ""
+
+    def note(self, run: int) -> str:
+        """Return the note of a run, "" if it has none."""
+        one = self.cells[run]
+        diverges = one and one.uncertainty.reason == DIVERGES
+        return ", ".join(filter(None, [one.note, DIVERGES if diverges else ""])) if one else ""
 
     def change(self, run: int) -> str:
         """Return the relative difference of the first run from another one, in percent."""
-        first, other = self.values[0], self.values[run]
-        if first is None or not other:
+        first, other = self.cells[0], self.cells[run]
+        if not (first and other and other.value):
             return ""
-        change = f"{100 * (first - other) / abs(other):+.0f} %".replace("-", "\N{MINUS SIGN}")
-        return change if self.clear[run] else f"{change}, {NOT_DISTINGUISHABLE}"
+        share = (first.value - other.value) / abs(other.value)
+        change = f"{100 * share:+.0f} %".replace("-", "\N{MINUS SIGN}")
+        clear = difference(first, other, self.alike[run]).text != NOT_DISTINGUISHABLE
+        return change if clear else f"{change}, {NOT_DISTINGUISHABLE}"
 
     def share(self, run: int) -> float:
         """Return the value of a run relative to the largest one, in percent."""
-        largest = max(abs(value) for value in self.values if value is not None)
-        return 100 * abs(self.values[run] or 0.0) / (largest or 1.0)
+        one, largest = self.cells[run], max(abs(one.value) for one in self.known)
+        return 100 * abs(one.value) / (largest or 1.0) if one else 0.0
 
 
 @dataclass(frozen=True)
@@ -85,51 +102,36 @@ def overview(runs: dict[str, Results], tables: dict[str, Measures]) -> Overview 
     steps = [grids(results.case) for results in runs.values()]
     alike = [one == steps[0] for one in steps]
 
-    def compared(results):
-        return _figures([list(results(table)) for table in tables.values()], alike)
+    def rows(choose) -> list[Comparison]:
+        named = [{one.label: one for one in choose(table)} for table in tables.values()]
+        labels = dict.fromkeys(label for own in named for label in own)
+        return [Comparison([own.get(label) for own in named], alike) for label in labels]
 
-    figures = compared(lambda table: _of_films(table, films))
-    own = {film: compared(lambda table, film=film: _of_films(table, [film])) for film in films}
+    own = {film: rows(partial(_of_films, films=[film])) for film in films}
     ordered = sorted(own, key=lambda film: _margin(first, next(iter(tables.values())), film))
+    figures = rows(partial(_of_films, films=films))
     return Overview(
-        _sentence(_names(runs), figures),
+        _sentence(runs, tables, figures, alike),
         conditions(first, films),
         figures,
-        compared(_of_motion),
+        rows(_of_motion),
         {film: own[film] for film in ordered} if len(films) > 1 else {},
     )
 
 
-def _names(runs: dict[str, Results]) -> list[str]:
-    """Return the names of two runs: what differs in their cases, if these have one label."""
-    trees = [results.case for results in runs.values()]
-    names = list(runs)
-    if len(runs) != 2 or trees[0].get("label") != trees[1].get("label"):
-        return names
-    return list(differing(trees[0], trees[1], names))
-
-
-def _figures(results: list[list[Measure]], alike: list[bool]) -> list[Comparison]:
-    """Return the measures of all runs for comparison, in suitable units."""
-    named = [{one.label: one for one in own} for own in results]
-    found = []
-    for name in dict.fromkeys(name for own in named for name in own):
-        known = [own.get(name) for own in named]
-        values = [one.value for one in known if one]
-        unit = next(one.unit for one in known if one)
-        factor, label = display_unit(unit, max(map(abs, values)))
-        shown = [one.value * factor if one else None for one in known]
-        spreads = [one.uncertainty.value if one else None for one in known]
-        scaled = [spread and spread * factor for spread in spreads]
-        first = known[0]
-        clear = [
-            not (first and one) or difference(first, one, same).text != NOT_DISTINGUISHABLE
-            for one, same in zip(known, alike)
-        ]
-        notes = [one.note if one else "" for one in known]
-        computed = all(one is not None and one.uncertainty.signed for one in known)
-        found.append(Comparison(name, label, shown, notes, scaled, clear, computed))
-    return found
+def _sentence(runs, tables, figures, alike) -> str:
+    """Return the figures of the first run, or what changes from the second run to the first one."""
+    pairs = [(one.cells[0], one.cells[1]) for one in figures if len(runs) > 1]
+    known = [difference(one, other, alike[1]) for one, other in pairs if one and other]
+    if not known or len(known) < len(figures):
+        said = listed(
+            [f"the {cell.label} is {cell.figure}" for f in figures if (cell := f.cells[0])]
+        )
+        return f"{said[0].upper()}{said[1:]}."
+    names, trees = list(runs), [results.case for results in runs.values()]
+    if len(names) == 2 and trees[0].get("label") == trees[1].get("label"):
+        names = differing(trees[0], trees[1], names)
+    return changes(names, known)
 
 
 def _of_films(table, films) -> Iterator[Measure]:
@@ -144,9 +146,9 @@ def _of_films(table, films) -> Iterator[Measure]:
         return
     pressure = table.of("friction_mean_effective_pressure_pa") if films == table.films else None
     share = table.of("contact_share", films[0]) if alone else None
-    notes = [f"FMEP {value_text(pressure.value, 'Pa')}"] if pressure else []
+    notes = [f"FMEP {pressure.figure}"] if pressure else []
     if share:
-        notes.append(f"{100 * without_trace(share.value):.2g} % by asperity contact")
+        notes.append(share.shown or f"{share.figure} by asperity contact")
     yield replace(power, note=", ".join(notes))
 
 
@@ -154,19 +156,13 @@ def _of_motion(table) -> Iterator[Measure]:
     """Yield FMEP, side force, impacts and motion. For one film, yield contact and oil."""
     if pressure := table.of("friction_mean_effective_pressure_pa"):
         yield replace(pressure, note="")
-    keys = ("side_force_n", "slap_energy_j", "range_lateral_displacement_m")
-    for body in table.bodies:
-        named = f", {body}" if len(table.bodies) > 1 else ""
-        for key in (*keys, "range_rocking_angle_rad"):
-            one = table.of(key, body)
+    for key in MOTION:
+        for one in (table.of(key, body) for body in table.bodies):
             if one and one.shown != NO_IMPACT:
-                yield replace(one, label=f"{one.label}{named}", note="")
-    if len(table.films) == 1:
-        share = table.of("contact_share", table.films[0])
-        if share:
-            yield replace(share, value=without_trace(share.value), note="")
-        if through := table.of("oil_throughput_m3", table.films[0]):
-            yield through
+                yield replace(table.named(one), note="")
+    for key in ("contact_share", "oil_throughput_m3") if len(table.films) == 1 else ():
+        if one := table.of(key, table.films[0]):
+            yield replace(one, note="")
 
 
 def _margin(results, table, film):
@@ -222,37 +218,3 @@ def _clearances(results: Results, body: str, cold: float) -> str:
     opening = results.series(port).values[-1] if port in results.ports else 0.0
     text = f"radial clearance {short(cold, 'm')}"
     return f"{text} cold, {short(cold + opening, 'm')} hot" if opening else text
-
-
-def _sentence(labels, figures) -> str:
-    """Return the main results as one sentence: of the first run, compared with the second."""
-    known = [one for one in figures if one.values[0] is not None]
-    if not known:
-        return ""
-    if len(labels) < 2 or any(one.values[1] is None for one in known):
-        said = listed([f"the {one.name} is {one.number(0)} {one.unit}" for one in known])
-        return f"{said[0].upper()}{said[1:]}."
-    changes = [_change(one) for one in known]
-    grouped = [
-        f"{verb} {listed([what for other, what in changes if other == verb])}"
-        for verb in dict.fromkeys(verb for verb, _ in changes)
-    ]
-    begin = labels[0] if "." in labels[0] else f"{labels[0][0].upper()}{labels[0][1:]}"
-    return f"{begin} instead of {labels[1]} {listed(grouped)}."
-
-
-def _change(figure) -> tuple[str, str]:
-    """Return verb and object of the change of a result from the second run to the first one."""
-    new, old = figure.values[:2]
-    share = abs(new - old) / abs(old) if old else np.inf
-    if share < LEAST_CHANGE:
-        return "keeps", f"the {figure.name} at {figure.number(0)} {figure.unit}"
-    if not figure.clear[1] and figure.computed:
-        return "does not clearly change", f"the {figure.name}"
-    verb = "raises" if new > old else "lowers"
-    if figure.name == "minimum film thickness" or not old:
-        return (
-            verb,
-            f"the {figure.name} from {figure.number(1)} to {figure.number(0)} {figure.unit}",
-        )
-    return verb, f"the {figure.name} by {100 * share:.0f} %"

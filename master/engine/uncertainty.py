@@ -79,13 +79,6 @@ def display_unit(unit: str, largest: float) -> tuple[float, str]:
     return float(factor), label
 
 
-def spread_text(value: float, spread: float, unit: str) -> str:
-    """Return a value with its uncertainty, "2.17 +- 0.08 um": both end with the same digit."""
-    factor, label = display_unit(unit, max(abs(value), spread))
-    text = numbers_text(factor * value, factor * spread)
-    return f"{text} {label}".rstrip()
-
-
 def numbers_text(value: float, spread: float) -> str:
     """Return two numbers of one unit as "2.17 +- 0.08"."""
     if not spread > 0.0:

@@ -24,6 +24,11 @@ def value_in_words(value: float, unit: str) -> str:
     return f"{np.degrees(value):.4g} deg" if unit == "rad" else short(value, unit)
 
 
+def with_sign(value: Any) -> Any:
+    """Return a value of a template; in texts, the sign of uncertainties replaces its ASCII form."""
+    return value.replace(" +- ", " \N{PLUS-MINUS SIGN} ") if isinstance(value, str) else value
+
+
 def write_page(path: Path, template: str, data: dict[str, Any], **content: Any) -> Path:
     """Write a page from a template.
 
@@ -37,7 +42,8 @@ def write_page(path: Path, template: str, data: dict[str, Any], **content: Any) 
     **content
         Values of the template.
     """
-    templates = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
+    loader = FileSystemLoader(TEMPLATES)
+    templates = Environment(loader=loader, autoescape=True, finalize=with_sign)
     templates.filters |= {"entry": entry_in_words, "words": value_in_words}
     libraries = b"\n".join((TEMPLATES / "vendor" / name).read_bytes() for name in LIBRARIES)
     colours = {"palette": PALETTE, "palette_dark": PALETTE_DARK, "style": STYLE}

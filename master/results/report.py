@@ -111,7 +111,7 @@ def write_report(case, runs, folder, answers=None, special=PLAIN):
         Label -> results.
     folder : Path
     answers : dict, optional
-        Label -> main results `lines` (name, said) and checks `verdicts` (colour, what, said).
+        Label -> main results `lines` (name -> text) and checks `verdicts` (colour, what, said).
     special : Special
         Content that depends on the kind of machine.
 
@@ -130,9 +130,7 @@ def write_report(case, runs, folder, answers=None, special=PLAIN):
         case=case,
         runs=[run_text(case, label, results) for label, results in runs.items()],
         answers=answers or {},
-        names=list(
-            dict.fromkeys(line.name for one in (answers or {}).values() for line in one.lines)
-        ),
+        names=list(dict.fromkeys(name for one in (answers or {}).values() for name in one.lines)),
         overview=special.overview,
         checks=checks(judged),
         films=[film.title for film in views(case, runs, special)],

@@ -17,7 +17,6 @@ from .prose import of_markdown, of_text
 ROOT = Path(__file__).parents[2]
 RESULTS = (
     "engine/answer",
-    "engine/headlines",
     "engine/places",
     "engine/sections",
     "engine/verdicts",

@@ -11,7 +11,7 @@ import pytest
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.commands.common import variant_trees
-from piston_cosim.master.engine.headlines import headlines
+from piston_cosim.master.engine.answer import headlines
 from piston_cosim.master.engine.measures import measures
 from piston_cosim.master.engine.sections import special
 from piston_cosim.master.engine.verdicts import verdicts
@@ -84,7 +84,7 @@ def test_a_crown_land_beside_the_skirt(tmp_path):
 def test_the_report_speaks_of_every_film(results_of):
     grooved = results_of("two_films")
     case = check_case(grooved.case, PATH)
-    lines = {one.name: one.said for one in headlines(measures(case, grooved))}
+    lines = headlines(measures(case, grooved))
     assert {"minimum film, film_1", "minimum film, film_2"} <= lines.keys()
     power = sum(grooved.series(f"film_{k}.friction_power").values for k in (1, 2))
     mean = np.diff(grooved.time) @ power[1:] / np.ptp(grooved.time)

@@ -6,6 +6,7 @@ import pytest
 
 from piston_cosim.master.engine.comparison import (
     NOT_DISTINGUISHABLE,
+    NOT_KNOWN,
     compared,
     difference,
     differing,
@@ -67,7 +68,7 @@ def test_a_figure_without_an_uncertainty_has_no_difference():
     found = difference(pressure(DIVERGES), pressure("not recorded"), True)
     assert (found.text, found.size) == (DIVERGES, 0.0)
     found = difference(pressure("not recorded"), pressure("not recorded"), True)
-    assert found.text == "uncertainty unknown: not recorded"
+    assert found.text == NOT_KNOWN
 
 
 def tree(file, oil="sae_0w_20", grid=(52, 20), label="base"):
@@ -106,7 +107,46 @@ def test_the_headline_says_what_changes_and_which_is_better():
         "contact_share", "contact", 4e-5, "1", "ehd", uncertainty=combined({"grid": 1e-5})
     )
     tables[0].all.append(share)
-    tables[1].all.append(replace(share, value=0.0))  # both are displayed as 0.00 %
-    assert " Not distinguishable: contact." in compared(("a", "b"), trees, tables).headline
+    tables[1].all.append(replace(share, value=0.0))  # a difference below the last digit
+    assert compared(("a", "b"), trees, tables).rows[-1].text == NOT_DISTINGUISHABLE
     same = compared(("a", "b"), trees, (tables[0], tables[0]))
-    assert same.headline == "prof_a.csv instead of prof_b.csv makes no clear difference."
+    assert same.headline == (
+        "prof_a.csv instead of prof_b.csv makes no clear difference. "
+        "Not distinguishable: minimum film thickness."
+    )
+    tables[0].all[-1] = tables[1].all[-1]
+    zero = compared(("a", "b"), trees, tables)
+    assert [row.label for row in zero.rows] == ["minimum film thickness"]
+    assert zero.remarks == ["Zero in both runs: contact."]
+
+
+def test_the_headline_has_a_sentence_for_each_direction_and_no_figure_twice():
+    def slap(value):
+        known = combined({"grid": 1e-4})
+        return Measure("slap_energy_j", "slap", value, "J", "bodies", uncertainty=known)
+
+    def friction(key, value):
+        return Measure(key, key, value, "W", uncertainty=combined({"grid": 1.0}))
+
+    keys = "mean_friction_power_w", "friction_mean_effective_pressure_pa"
+    tables = [
+        Measures(all=[*(friction(key, f) for key in keys), slap(s)])
+        for f, s in ((90.0, 3e-3), (80.0, 5e-3))
+    ]
+    found = compared(("a", "b"), (tree("a.csv"), tree("b.csv")), tables)
+    assert found.headline == (
+        "a.csv instead of b.csv raises the mean_friction_power_w by 10.0 +- 1.4 W. "
+        "It lowers the slap by 2.00 +- 0.14 mJ. "
+        "Better with a.csv: slap. Better with b.csv: mean_friction_power_w."
+    )
+    assert len(found.rows) == 3
+
+
+def test_several_films_are_named():
+    two = [
+        replace(film(value, 0.1), owner=owner) for value, owner in ((3.0, "big"), (2.0, "small"))
+    ]
+    table = Measures(all=two)
+    found = compared(("a", "b"), (tree("a.csv"), tree("b.csv")), (table, table))
+    label = "minimum film thickness"
+    assert [row.label for row in found.rows] == [f"{label}, big", f"{label}, small"]

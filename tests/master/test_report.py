@@ -127,7 +127,7 @@ def test_warnings_are_shown_whole_and_passes_shortened(case, results, tmp_path):
         Verdict("amber", "grid", "Coarse. Refine it."),
         Verdict("green", "film", "1 µm. At 2."),
     ]
-    answers = {"run": Answer([], judged)}
+    answers = {"run": Answer({}, judged)}
     page = write_report(case, {"run": results}, tmp_path / "r", answers=answers).read_text()
     assert "1 of 2 checks need attention" in page
     assert "Coarse. Refine it." in page and "1 µm." in page and "At 2." not in page

@@ -7,8 +7,8 @@ import pytest
 
 from piston_cosim.master.case.schema import Case
 from piston_cosim.master.engine import sections
+from piston_cosim.master.engine.answer import headlines
 from piston_cosim.master.engine.friction import friction_pressure
-from piston_cosim.master.engine.headlines import headlines
 from piston_cosim.master.engine.impacts import impacts
 from piston_cosim.master.engine.measures import measures
 from piston_cosim.master.engine.sections import STROKES, own_strokes, special, strokes
@@ -255,7 +255,7 @@ def test_each_cylinder_is_named():
     titles = [one.title for one in shown.sections]
     assert {"Motion of the piston: front", "Forces: rear"} <= {*titles}
     table = measures(case, results)
-    lines = {line.name: line.said for line in headlines(table)}
+    lines = headlines(table)
     assert lines["side force, front"].startswith("100 N on the thrust side")
     assert lines["side force, rear"].startswith("200 N on the thrust side")
     said = {one.what: one.colour for one in verdicts(results, table)}

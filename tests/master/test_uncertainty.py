@@ -24,7 +24,6 @@ from piston_cosim.master.engine.uncertainty import (
     at_least,
     combined,
     numbers_text,
-    spread_text,
 )
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.runs import uncertainty as further
@@ -57,10 +56,13 @@ def test_both_numbers_end_with_the_same_digit(value, spread, text):
         (0.04, 0.0012, "1", "4.00 +- 0.12 %"),
         (4.457e-6, 1.5e-8, "m3", "4457 +- 15 mm³"),
         (np.radians(0.1), np.radians(0.02), "rad", "0.100 +- 0.020 deg"),
+        (2.1e-4, 4e-5, "1", "0.021 %"),  # an uncertainty below 0.005 %
+        (0.0, None, "1", "0 %"),
     ],
 )
 def test_units_of_the_text(value, spread, unit, text):
-    assert spread_text(value, spread, unit) == text
+    known = Uncertainty(spread)
+    assert Measure("key", "label", value, unit, uncertainty=known).figure == text
 
 
 def test_parts_add_as_squares_and_the_largest_is_named():
