@@ -17,21 +17,21 @@ from .places import film_body
 
 LAMBDA_AMBER, LAMBDA_RED = 3.0, 1.0
 """Minimum film thickness over composite roughness: asperities touch below 3 and carry below 1."""
-PRESSURE_AMBER, PRESSURE_RED = 50e6, 100e6
+PRESSURE = 50e6, 100e6
 """Film pressure [Pa]: half and all of what a hot aluminium skirt withstands, an assumption."""
-TRUNCATION_AMBER, TRUNCATION_RED = 0.02, 0.1
+TRUNCATION = 0.02, 0.1
 """Truncation error over film thickness, whose cube is the film's conductance (decision 15)."""
-ODD_RED = TRUNCATION_AMBER
+ODD = TRUNCATION[0], TRUNCATION[0]
 """Odd part of the film over film thickness, if modes assume a symmetric film."""
-WORK_AMBER, WORK_RED = 1e-3, 1e-2
+WORK = 1e-3, 1e-2
 """Relative difference of the interface work between both participants."""
 SHARE_AMBER = 0.05
 """Spurious energy of an accepted step over the energy exchanged in it: half the rejection limit."""
-MADE_AMBER, MADE_RED = 1e-3, 1e-2
-"""Spurious energy over the energy exchanged over the run, an assumption as for `WORK_AMBER`."""
-FORCE_AMBER, FORCE_RED = 0.25, 0.75
+MADE = 1e-3, 1e-2
+"""Spurious energy over the energy exchanged over the run, an assumption as for `WORK`."""
+FORCE = 0.25, 0.75
 """Rms difference of side force and side-force demand over a period, relative to the rms demand."""
-PEAK_AMBER, PEAK_RED = 4, 2
+PEAK = 4, 2
 """Cells across the pressure peak at half its height: the nearest centre misses the top of a
 parabola by up to 1/(2 n^2) of it, 3 % with 4 cells and 12 % with 2."""
 ZONE = 10
@@ -39,8 +39,8 @@ ZONE = 10
 thin layer is 2 % low with 12 cells (docs/measurements/limits.md)."""
 OPENING = 3
 """Minimum width of an opening in cells, for which its edges are accurate to half of the width."""
-PLAY_AMBER, PLAY_RED = 0.02, 0.1
-"""Estimated error in time of the play of a pin over its range, as for `TRUNCATION_AMBER`."""
+PLAY = 0.02, 0.1
+"""Estimated error in time of the play of a pin over its range, as for `TRUNCATION`."""
 MEMORY = 4
 """Steps whose local errors add up in a film: the largest error of `floating_pin` at 1 deg is 0.8 to
 3.7 of the largest local one (docs/measurements/floating_pin.md)."""
@@ -111,6 +111,11 @@ def _percent(share):
     return f"{100 * share:.2g} %"
 
 
+def _share(what, share, limits, said) -> Verdict:
+    """Return the check of a fraction; `said` has a place for it, and one for its limit."""
+    return Verdict(_colour(share, *limits), what, said.format(_percent(share), _percent(limits[0])))
+
+
 def _of_summary(summary):
     """Yield the checks of convergence and energy."""
     if "unconverged_steps" in summary:
@@ -122,13 +127,8 @@ def _of_summary(summary):
         said += f" {held} held a discrete value that does not settle." if held else ""
         yield Verdict(colour, "convergence", said)
     if "interface_work_imbalance" in summary:
-        share = abs(summary["interface_work_imbalance"])
-        yield Verdict(
-            _colour(share, WORK_AMBER, WORK_RED),
-            "interface work",
-            f"The interface work of both participants differs by {_percent(share)} "
-            f"(limit {_percent(WORK_AMBER)}).",
-        )
+        said = "The interface work of both participants differs by {} (limit {})."
+        yield _share("interface work", abs(summary["interface_work_imbalance"]), WORK, said)
     if "energy_refused_steps" in summary:
         yield _of_ledger(summary)
 
@@ -145,14 +145,14 @@ def _of_ledger(summary):
     taken = [value for key, value in summary.items() if key.startswith("energy_taken_")]
     whole = max(map(abs, taken), default=0.0)
     made = sum(taken) / whole if whole > 0.0 else 0.0  # Eq. (X16)
-    colour = _colour(made, MADE_AMBER, MADE_RED)
+    colour = _colour(made, *MADE)
     if colour == "green" and (count or share > SHARE_AMBER):
         colour = "amber"
     return Verdict(
         colour,
         "energy balance",
         f"The spurious energy over the run is {_percent(max(made, 0.0))} of the energy exchanged "
-        f"(limit {_percent(MADE_AMBER)}). In an accepted step it is at most {_percent(share)} "
+        f"(limit {_percent(MADE[0])}). In an accepted step it is at most {_percent(share)} "
         f"(limit {_percent(SHARE_AMBER)}). The run rejected and halved {count} steps.",
     )
 
@@ -181,39 +181,23 @@ def _of_truncation(summary):
         f"{_percent(summary[f'truncation_error_{body}'])} of the {body} deflection"
         for body in bodies
     )
+    said = "The truncation error of the modes is"
     share = summary.get("truncation_error_film")
     if share is None:
-        yield Verdict(
-            "amber",
-            "truncation",
-            f"The truncation error of the modes is {shares}. Record film_thickness of the bodies "
-            "(record.fields) to compare it with the film thickness.",
-        )
+        hint = "Record film_thickness of the bodies (record.fields) to compare it with the film"
+        yield Verdict("amber", "truncation", f"{said} {shares}. {hint} thickness.")
         return
-    colour = _colour(share, TRUNCATION_AMBER, TRUNCATION_RED)
-    keys = " and ".join(f"{one}.modes" for one in bodies)
-    hint = "" if colour == "green" else f" Increase {keys}."
-    yield Verdict(
-        colour,
-        "truncation",
-        f"The truncation error of the modes is at most {_percent(share)} of the local film "
-        f"thickness (limit {_percent(TRUNCATION_AMBER)}). It is {shares}.{hint}"
-        f"{_edge_in_words(summary)}",
-    )
+    said += f" at most {{}} of the local film thickness (limit {{}}). It is {shares}."
+    if share > TRUNCATION[0]:
+        said += f" Increase {' and '.join(f'{one}.modes' for one in bodies)}."
+    if (edge := summary.get("truncation_error_edge")) is not None:
+        narrow = "Under a narrow patch at an edge of the skirt"
+        said += f" {narrow}, the modes miss up to {_percent(edge)}."
+    yield _share("truncation", share, TRUNCATION, said)
     if (odd := summary.get("odd_part_film")) is not None:
-        yield Verdict(
-            _colour(odd, ODD_RED, ODD_RED),
-            "symmetry",
-            f"The odd part of the film about the thrust plane is at most {_percent(odd)} of the "
-            f"local film thickness (limit {_percent(ODD_RED)}). The modes assume a symmetric film.",
-        )
-
-
-def _edge_in_words(summary):
-    """Return a sentence about a narrow patch at an edge of the skirt, empty for a rigid piston."""
-    if (edge := summary.get("truncation_error_edge")) is None:
-        return ""
-    return f" Under a narrow patch at an edge of the skirt, the modes miss up to {_percent(edge)}."
+        said = "The odd part of the film about the thrust plane is at most {} of the local film "
+        said += "thickness (limit {}). The modes assume a symmetric film."
+        yield _share("symmetry", odd, ODD, said)
 
 
 def _of_film(table, results, name):
@@ -232,14 +216,12 @@ def _of_film(table, results, name):
     # the limit applies to skirts, and only bearings have a friction torque
     highest = table.of("maximum_pressure_pa", name)
     if highest and f"{name}.friction_torque" not in results.ports:
-        colour = _colour(highest.value, PRESSURE_AMBER, PRESSURE_RED)
-        stiff = colour != "green" and _is_rigid(results, film_body(results, name))
-        yield Verdict(
-            colour,
-            "pressure",
-            f"The maximum pressure is {_located(results, highest, 'Pa')} "
-            f"(limit {short(PRESSURE_AMBER, 'Pa')}).{_clause(highest)}{RIGID if stiff else ''}",
-        )
+        colour = _colour(highest.value, *PRESSURE)
+        film = f"The maximum pressure is {_located(results, highest, 'Pa')}"
+        film += f" (limit {short(PRESSURE[0], 'Pa')}).{_clause(highest)}"
+        if colour != "green" and _is_rigid(results, film_body(results, name)):
+            film += RIGID
+        yield Verdict(colour, "pressure", film)
 
 
 def _located(results, measure, unit):
@@ -269,9 +251,9 @@ def _of_grid(results, name):
     widths = peak_width(pressure[instant], cell)
     remarks = [
         f"The pressure peak spans {widths.around} cells around and {widths.along} along at half "
-        f"its height (minimum {PEAK_AMBER})"
+        f"its height (minimum {PEAK[0]})"
     ]
-    colours: list[Colour] = [_colour(-min(widths), -PEAK_AMBER, -PEAK_RED)]
+    colours: list[Colour] = [_colour(-min(widths), -PEAK[0], -PEAK[1])]
     around, _ = pressure.shape[1:]
     if around % 2:
         colours.append("amber")
@@ -326,12 +308,8 @@ def _of_side_force(results, name):
     if not size > 0.0:
         return
     apart = float(np.sqrt(np.mean((found - asked) ** 2))) / size
-    yield Verdict(
-        _colour(apart, FORCE_AMBER, FORCE_RED),
-        "side force",
-        f"The side force differs from the side-force demand by {_percent(apart)} rms "
-        f"(limit {_percent(FORCE_AMBER)}).",
-    )
+    said = "The side force differs from the side-force demand by {} rms (limit {})."
+    yield _share("side force", apart, FORCE, said)
 
 
 def _of_play(results, name):
@@ -345,10 +323,6 @@ def _of_play(results, name):
         error = max(error, MEMORY * float(np.abs(bdf2_error(results.time, play)).max()))
         size = max(size, float(np.ptp(play)))
     if size > 0.0:
-        yield Verdict(
-            _colour(error / size, PLAY_AMBER, PLAY_RED),
-            "play of the pin",
-            f"The estimated error of the play due to the step is at most {short(error, 'm')}, "
-            f"{_percent(error / size)} of the range of {short(size, 'm')} "
-            f"(limit {_percent(PLAY_AMBER)}).",
-        )
+        said = f"The estimated error of the play due to the step is at most {short(error, 'm')}, "
+        said += f"{{}} of the range of {short(size, 'm')} (limit {{}})."
+        yield _share("play of the pin", error / size, PLAY, said)
