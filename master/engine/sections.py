@@ -65,21 +65,21 @@ def special(
     skins : dict of str to dict of str to sequence of fmu_mfbd.offline.Skin, optional
         Label -> participant with the role `bodies` -> surfaces of its piston and block.
     """
-    bodies = players(next(iter(runs.values())).case, "bodies")
-    films = players(next(iter(runs.values())).case, "lubrication")
+    first = next(iter(runs.values()))
+    bodies, films = (players(first.case, role) for role in ("bodies", "lubrication"))
     if not bodies or not films or any(crank_angle(results) is None for results in runs.values()):
         return Special()
-    first = next(iter(runs.values()))
     body_of = {film: film_body(first, film) or bodies[0] for film in films}
+    parts = [(body, body, len(bodies), _of_body(runs, body, skins, body_of)) for body in bodies]
+    for film in films:
+        own = _of_film(case, runs, body_of[film], film)
+        parts.append((film, body_of[film], len(films), own))
     sections = [
-        *(one for body in bodies for one in _of_body(runs, bodies, body, skins, body_of)),
-        *(
-            one
-            for film in films
-            for one in _of_film(case, runs, bodies, body_of[film], film, len(films))
-        ),
-        Section("Friction over the periods", _cycles(runs)),
+        _named(section, name, runs, bodies, body) if several > 1 else section
+        for name, body, several, own in parts
+        for section in own
     ]
+    sections.append(Section("Friction over the periods", _cycles(runs)))
     return Special(
         sections=[section for section in sections if section.drawn],
         phases=strokes(runs),
@@ -136,15 +136,26 @@ def _orbit(runs, body, surface) -> Orbit | None:
     return Orbit(1e6 * to_si(given[key], "m"), at, paths)
 
 
-def _of_body(runs, bodies, body, skins, body_of) -> list[Section]:
-    """Return motion and forces of a piston, with its participant's name if there are several."""
+def _of_body(runs, body, skins, body_of) -> list[Section]:
+    """Return motion and forces of a piston."""
     own = [one for found in skins.values() for one in found.get(body, ())]
     skirt = next((skin.skirt for skin in own if skin.skirt), None)
     films = [film for film, owner in body_of.items() if owner == body]
-    sections = [_motion(runs, body, skirt), _forces(runs, body, films)]
-    if len(bodies) == 1:
-        return sections
-    return [_named(one, body, runs, bodies, body) for one in sections]
+    if skirt is None:
+        motion = _charts(runs, "pin_eccentricity", body=body)
+    else:
+        motion = _eccentricity(runs, body, skirt)
+    forces = []
+    for film in films:
+        of = "the film" if len(films) == 1 else film
+        forces += _charts(runs, "radial_force", film=film, of=of)
+    return [
+        Section(
+            "Motion of the piston",
+            [*motion, *_charts(runs, "motion", body=body), *_slaps(runs, body)],
+        ),
+        Section("Forces", [*forces, *_charts(runs, "forces", body=body)]),
+    ]
 
 
 def _named(section, name, runs, bodies, body):
@@ -159,19 +170,19 @@ def _named(section, name, runs, bodies, body):
     return replace(section, title=title, said=said, phases=own or ())
 
 
-def _of_film(case, runs, bodies, body, film, films) -> list[Section]:
-    """Return the sections of a film, with its name if there are several."""
-    first = next(iter(runs.values()))
-    gap = gap_port(first, film)
-    sections = [
-        _friction(runs, body, film),
-        _films(case, runs, film, gap),
+def _of_film(case, runs, body, film) -> list[Section]:
+    """Return the sections of a film."""
+    gap = gap_port(next(iter(runs.values())), film)
+    bearing = _is_bearing(runs, film)
+    kind = "bearing" if bearing else "skirt"
+    friction = _charts(runs, f"friction_of_{kind}", film=film)
+    thickness = _charts(runs, f"film_of_{kind}", "film_pressure", film=film)
+    return [
+        Section("Friction", [*friction, *([] if bearing else _stribeck(runs, body, film))]),
+        Section("Film", [*thickness, *_place_of_thinnest(case, runs, gap)]),
         Section("Oil", _charts(runs, "oil", film=film)),
         _envelopes(case, runs, film, gap),
     ]
-    if films == 1:
-        return sections
-    return [_named(section, film, runs, bodies, body) for section in sections]
 
 
 def _solids(skins, results, body, bodies) -> list[Solid]:
@@ -181,14 +192,13 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
     """
     owner = body if len(bodies) > 1 else ""
     stand = stands(results).get(body, Stand())
-    deflect = any(skin.modes.shape[2] for skin in skins)
     port = f"{body}.modal_coordinate"
-    count = len(results.instants)
-    held = results.dataset(port)[:] if port in results.recorded else np.zeros((count, 0))
     modes = [skin.modes.shape[2] for skin in skins]
+    held = np.zeros((len(results.instants), 0))
+    if port in results.recorded and results.dataset(port).shape[1] == sum(modes):
+        held = results.dataset(port)[:]
     known = held.shape[1] == sum(modes)
-    if not known:
-        modes, held = [0] * len(skins), np.zeros((count, 0))
+    modes = modes if known else [0] * len(skins)
     parts = np.split(held, np.cumsum(modes)[:-1], axis=1)
     ports = ("lateral_displacement", "piston_position", "rocking_angle")
     motion = np.column_stack(
@@ -209,7 +219,7 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
             skin.von_mises(part) if part.shape[1] else None,
             fields_around(results, body, skin.skirt) if skin.skirt else {},
             owner,
-            known or not deflect,
+            known,
             stand,
         )
         for skin, part in zip(skins, parts)
@@ -314,15 +324,6 @@ def _curves(runs: Runs, lines: dict[str, str], unit: str) -> list[Curve]:
     return curves
 
 
-def _motion(runs, body, skirt):
-    if skirt is not None:
-        drawn = _eccentricity(runs, body, skirt)
-    else:
-        drawn = _charts(runs, "pin_eccentricity", body=body)
-    charts = _charts(runs, "motion", body=body)
-    return Section("Motion of the piston", [*drawn, *charts, *_slaps(runs, body)])
-
-
 def _points(runs: Runs, points: Callable, title: str, x: str, y: str, **how: Any) -> list[Drawn]:
     """Return a chart of the points (x, y) of each run; `points` returns None if it has none."""
     found = [points(results) for results in runs.values()]
@@ -367,24 +368,9 @@ def _eccentricity(runs, body, skirt) -> list[Drawn]:
     return [Chart(title, CRANK, "[µm]", curves, cursor=True)] if curves else []
 
 
-def _forces(runs, body, films):
-    drawn: list[Drawn] = []
-    for film in films:
-        of = "the film" if len(films) == 1 else film
-        drawn += _charts(runs, "radial_force", film=film, of=of)
-    return Section("Forces", [*drawn, *_charts(runs, "forces", body=body)])
-
-
 def _is_bearing(runs, film):
     """Return whether the friction of a film is a torque."""
     return any(f"{film}.friction_torque" in results.ports for results in runs.values())
-
-
-def _friction(runs, body, film):
-    if _is_bearing(runs, film):
-        return Section("Friction", _charts(runs, "friction_of_bearing", film=film))
-    charts = _charts(runs, "friction_of_skirt", film=film)
-    return Section("Friction", [*charts, *_stribeck(runs, body, film)])
 
 
 def _cycles(runs) -> list[Drawn]:
@@ -432,12 +418,6 @@ def _stribeck(runs, body, film) -> list[Drawn]:
     return _points(runs, coefficients, title, x, "[-]", logarithmic=True)
 
 
-def _films(case, runs, film, gap):
-    thickness = "film_of_bearing" if _is_bearing(runs, film) else "film_of_skirt"
-    charts = _charts(runs, thickness, "film_pressure", film=film)
-    return Section("Film", [*charts, *_place_of_thinnest(case, runs, gap)])
-
-
 def _place_of_thinnest(case, runs, port) -> list[Drawn]:
     """Return charts of angle and height of the thinnest film at every recorded instant."""
     axes = case.axes_of(port)
@@ -474,14 +454,9 @@ def _envelopes(case, runs, film, gap):
         if any(np.any(values) for values in fields if values is not None):
             there = [one and results.there(port) for one, results in zip(found, runs.values())]
             drawn.append(StillMap(title, unit, case.axes_of(port), fields, there))
-    return Section("Envelopes", drawn, _every_step(runs, f"{film}.pressure"))
-
-
-def _every_step(runs, port):
-    """Return a sentence about the instants that the envelopes cover."""
-    found = {label: results.envelope(port) for label, results in runs.items()}
-    sparse = [label for label, one in found.items() if one and not one.every_step]
+    pressures = {label: results.envelope(f"{film}.pressure") for label, results in runs.items()}
+    sparse = [label for label, one in pressures.items() if one and not one.every_step]
     said = "The envelopes hold every accepted macro step of the last period."
     if sparse:
         said += f" The envelopes of {', '.join(sparse)} hold recorded instants only."
-    return said
+    return Section("Envelopes", drawn, said)
