@@ -163,7 +163,7 @@ class Case:
         StepFailed
             If a macro step does not converge.
         """
-        from ..engine.truncation import state_truncation
+        from ..runs.completed import complete
 
         output = Path(output or Path("results") / self.name / f"{self.label}.h5").absolute()
         models = {"lubrication": _model(lubrication), "bodies": _model(bodies)}
@@ -181,11 +181,7 @@ class Case:
         for line in summary.get("warnings", ()):
             if line.startswith("wire ") or "expected a finite output" in line:
                 log.warning("%s: %s", self.name, line)
-        state_truncation(tree, self.path.parent, output, log.info)
-        if uncertainty:
-            from ..runs.uncertainty import state_uncertainty  # it imports scipy
-
-            state_uncertainty(tree, self.path.parent, output, log.info)
+        complete(tree, self.path.parent, output, log.info, uncertainty)
         return Results(output)
 
     def __repr__(self) -> str:

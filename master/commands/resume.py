@@ -8,10 +8,10 @@ from cyclopts import Parameter
 from ..case.checked import check_case
 from ..case.system import open_system
 from ..engine.answer import answer
-from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput
 from ..results.file import Results
 from ..runs.checkpoint import Checkpoint, check_code
+from ..runs.completed import complete
 from ..runs.console import print_summary, watching
 from ..runs.run import run as run_system
 from .common import console, print_answers, say, tell
@@ -43,7 +43,7 @@ def command(checkpoint: Path, /, *, verbose: Annotated[bool, Parameter(negative=
     log = say if verbose else lambda line: None
     with watching(console, output.stem) as watch:
         summary = run_system(system, case, kept.tree, output, watch, kept, say, log)
-    summary |= state_truncation(kept.tree, Path(kept.folder), output, say)
+    summary |= complete(kept.tree, Path(kept.folder), output, say)
     if verbose:
         print_summary(console, {output.stem: summary})
     with Results(output) as results:

@@ -13,11 +13,11 @@ from ..case.checked import check_case
 from ..case.contract import swap_all
 from ..case.reading import find_case
 from ..case.system import open_system
-from ..engine.truncation import state_truncation
 from ..fmi.errors import for_all
 from ..fmi.jobs import VARIABLE as JOBS
 from ..fmi.jobs import jobs as count_jobs
 from ..results.file import Results
+from ..runs.completed import complete
 from ..runs.console import print_summary, watching
 from ..runs.kernels import compile_kernels
 from ..runs.pool import LocalPool
@@ -116,19 +116,16 @@ def command(
         systems = open_all(cases, path.parent)
         if count_jobs() > 1:
             compile_kernels(systems.values(), pool, console)
+        asked = {x: Variant(trees[x], path.parent, files[x], uncertainty) for x in cases}
         if side_by_side:
-            asked = {x: Variant(trees[x], path.parent, files[x]) for x in cases}
             outcomes = run_variants(asked, pool, console, say, of_period)
         else:
             outcomes = {
-                label: _run(label, system, cases[label], trees[label], files[label], of_period)
+                label: _run(label, system, cases[label], asked[label], of_period)
                 for label, system in systems.items()
             }
-    added = _uncertainties(trees, path.parent, files) if uncertainty else {}
     summaries = {
-        label: one.summary
-        | added.get(label, {})
-        | {"first_step_after_s": (one.first or STARTED) - STARTED}
+        label: one.summary | {"first_step_after_s": (one.first or STARTED) - STARTED}
         for label, one in outcomes.items()
     }
     if verbose:
@@ -153,17 +150,6 @@ def command(
             draw_pictures(next(iter(cases.values())), runs, folder)
 
 
-def _uncertainties(trees, folder, files):
-    """Return the summary entries about the uncertainties of each run, which this computes."""
-    from ..runs.uncertainty import state_uncertainty  # slow to import
-
-    found = {}
-    for label, file in files.items():
-        with working(console, f"uncertainty of {label}"):
-            found[label] = state_uncertainty(trees[label], folder, file, say)
-    return found
-
-
 def _say_ahead(cases, variants, plots, only):
     """Report what this run omits: pictures without recorded fields, and other variants."""
     first = next(iter(cases.values()))
@@ -177,11 +163,12 @@ def _say_ahead(cases, variants, plots, only):
         say(f"variants not run: {', '.join(others)}; run one with --only LABEL")
 
 
-def _run(label, system, case, tree, file, log):
+def _run(label, system, case, variant, log):
     """Run a variant in this process."""
+    tree, folder, file, uncertainty = variant
     with watching(console, label) as watch:
         summary = run_system(system, case, tree, file, watch, say=say, log=log)
-    return Outcome(summary | state_truncation(tree, Path(system.folder), file, say), watch.first)
+    return Outcome(summary | complete(tree, folder, file, say, uncertainty), watch.first)
 
 
 def open_all(cases, folder):

@@ -190,17 +190,16 @@ def run_point(tree, case_folder, output, uncertainty=False):
     """
     from ..case.system import open_system
     from ..engine.answer import row_of
-    from ..engine.truncation import state_truncation
+    from ..engine.uncertainty import PART
+    from .completed import complete
     from .run import run
-    from .uncertainty import state_uncertainty
 
     folder = Path(case_folder)
     try:
         case = check_case(tree, case_folder)
         summary = run(open_system(case, folder, _silent), case, tree, Path(output))
-        missed = state_truncation(tree, folder, Path(output), _silent)
-        if uncertainty:
-            state_uncertainty(tree, folder, Path(output), _silent)
+        added = complete(tree, folder, Path(output), _silent, uncertainty)
+        missed = {key: value for key, value in added.items() if not key.startswith(PART)}
         measured = row_of(case, Path(output)) | ({COMPUTED: True} if uncertainty else {})
         return {"status": "done", "message": ""} | measured | summary | missed
     except BadInput as error:

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 from ..case.checked import check_case
 from ..case.system import open_system
-from ..engine.truncation import state_truncation
 from ..fmi.errors import BadInput, Stopped
+from .completed import complete
 from .console import Watch
 from .pool import LocalPool, PointDied
 from .run import run
@@ -18,11 +18,15 @@ from .working import REFRESH, bars, every
 
 
 class Variant(NamedTuple):
-    """Variant to run: its resolved tree, the folder of its case, and its results file."""
+    """Variant to run: its resolved tree, the folder of its case, and its results file.
+
+    uncertainty : whether its uncertainties are computed by further runs.
+    """
 
     tree: dict[str, Any]
     folder: Path
     output: Path
+    uncertainty: bool = False
 
 
 class Outcome(NamedTuple):
@@ -110,13 +114,13 @@ def _run(tell, variant: Variant) -> Outcome:
     """Run a variant in this process."""
     watch = Watch(lambda share, state: tell(("show", share, state)))
     say, log = (partial(_tell, tell, kind) for kind in ("say", "log"))
-    tree, folder, output = variant
+    tree, folder, output, uncertainty = variant
     try:
         case = check_case(tree, folder)
         with every(REFRESH, watch.tick):
             system = open_system(case, folder, say)
             summary = run(system, case, tree, output, watch, say=say, log=log)
-        summary |= state_truncation(tree, folder, output, say)
+        summary |= complete(tree, folder, output, say, uncertainty)
         tell(("show", 1.0, ""))
         return Outcome(summary, watch.first)
     except BadInput as error:

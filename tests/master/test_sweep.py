@@ -81,7 +81,7 @@ def nothing(*given):
 
 def replace(monkeypatch, run, truncation=nothing, measures=nothing):
     """Let points run so, and nothing be built."""
-    others = {"runs.run.run": run, "engine.truncation.state_truncation": truncation}
+    others = {"runs.run.run": run, "runs.completed.state_truncation": truncation}
     others |= {"engine.answer.row_of": measures, "case.system.open_system": nothing}
     for name, function in others.items():
         monkeypatch.setattr(f"piston_cosim.master.{name}", function)
