@@ -234,10 +234,11 @@ def test_each_row_has_its_worst_check_and_the_uncertainties(browser, tmp_path):
         "✕ fail: grid, mass balance",
         "105.022 (does not converge with the grid)",
     ]
-    read = browser.run("""const output = { values: [2.1714, 12345, 0.5, 7], uncertainties:
-        [0.0814, 1534, 0.148, 0] };
-      return [0, 1, 2, 3].map(design => reading(output, design));""")
-    assert read == ["2.17 ± 0.08", "12300 ± 1500", "0.50 ± 0.15", "7 ± 0"]
+    read = browser.run("""const output = { values: [2.1714, 12345, 0.5, 7, 2e-10, 2.8e-5],
+        uncertainties: [0.0814, 1534, 0.148, 0, 4e-7, 1.64e-5] };
+      return [0, 1, 2, 3, 4, 5].map(design => reading(output, design));""")
+    large = "2.17 ± 0.08", "12300 ± 1500", "0.50 ± 0.15"
+    assert read == [*large, "7", "0 ± 4e-7", "2.8e-5 ± 1.6e-5"]
 
 
 def test_a_point_without_checks_says_so_and_constant_inputs_are_drawn(browser, tmp_path):

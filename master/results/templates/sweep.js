@@ -26,15 +26,22 @@ const linkOf = design => data.reports[design] || `#point${design}`;
 const levels = ({ values }, own = designs) => d3.sort(new Set(own.map(design => values[design])));
 const textAt = (input, value) => input.texts[input.values.indexOf(value)];
 
-// a value of an output with its uncertainty, which has one or two digits
+// largest number of decimals; smaller values have an exponent
+const FIXED = 5;
+
+// a value of an output with its uncertainty, which has one or two digits; 0 if no digit remains
 function reading(output, design) {
   const value = output.values[design], error = output.uncertainties[design], text = digitsWithin(output.values)(value);
   if (!output.uncertainties.length) return text;
   if (typeof error !== "number") return `${text} (${error || "uncertainty unknown"})`;
-  if (!error) return `${text} ± 0`;
+  if (!error) return text;
   const last = Math.floor(Math.log10(error)) - (error / 10 ** Math.floor(Math.log10(error)) < 2 ? 1 : 0);
   const unit = 10 ** last;
-  const tailed = own => last >= 0 ? String(Math.round(own / unit) * unit) : own.toFixed(Math.min(20, -last));
+  const tailed = own => {
+    const rounded = Math.round(own / unit);
+    if (last >= 0 || !rounded) return String(rounded * unit);
+    return last >= -FIXED ? own.toFixed(-last) : own.toExponential(String(Math.abs(rounded)).length - 1);
+  };
   return `${tailed(value)} ± ${tailed(error)}`;
 }
 
@@ -320,7 +327,11 @@ function drawTable() {
     element("td", row, outcome ? `${SIGNS[outcome]} ${text}` : "not known", outcome);
     if (isLinked && !data.reports[design]) element("td", row, "not written");
     if (data.reports[design]) element("a", element("td", row), "report").href = data.reports[design];
-    for (const output of outputs) element("td", row, reading(output, design), "n");
+    for (const output of outputs) {
+      const [number, remark] = reading(output, design).split("(");
+      const cell = element("td", row, number, "n");
+      if (remark) element("small", cell, `(${remark}`);
+    }
   }
 }
 
