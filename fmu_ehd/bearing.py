@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 
 from ..master.fmi.errors import BadInput, Discard, collecting, unknown
-from ..master.fmi.quantities import from_si, to_si
+from ..master.fmi.quantities import from_si, numbers_text, to_si
 from ..master.fmi.variables import Variable
 from .alone import Film
 from .common.grid import Array, Flags
@@ -139,6 +139,8 @@ class Bearing:
         Assumption on the oil supply.
     viscosity : float
         mu [Pa s].
+    rough : bool
+        Whether surfaces have a roughness, so that they can touch.
     film : dict
         `angle` from the load [rad], `pressure` [Pa] and `film_thickness` [m] of the cells, and the
         `position` of the journal over C.
@@ -160,6 +162,7 @@ class Bearing:
     uncertainty: dict[str, Any]
     supply: str
     viscosity: float
+    rough: bool
     film: dict[str, Array]
 
     def __repr__(self) -> str:
@@ -173,7 +176,8 @@ class Bearing:
                 lines.append(_row(f"{symbol}, {'xy'[i]}{'xy'[j]}", value[i, j], apart[i, j], unit))
         known = all(np.isfinite(one).all() for one in self.uncertainty.values())
         why = [] if known else [NO_UNCERTAINTY]
-        return "\n".join([*lines, f"oil supply {self.supply}", *NOTES, *why])
+        contact = [] if self.rough else [SMOOTH]
+        return "\n".join([*lines, f"oil supply {self.supply}", *NOTES, *contact, *why])
 
     def plot(self) -> Any:
         """Return a matplotlib figure: the bearing with its pressure, and both along the angle."""
@@ -190,26 +194,17 @@ NOTES = (
     "S = mu N D L/W (R/C)^2 with N in revolutions per second; x, y: y points against the load,",
     "x 90 deg clockwise from y; the journal rotates counter-clockwise, and angles follow it.",
     "The number after +- is the uncertainty by the grid. The oil has one temperature.",
-    "Surfaces without roughness_rms never touch.",
 )
+SMOOTH = "Smooth surfaces never touch; give roughness_rms for contact."
 
 
 def _row(name: str, value: float, uncertainty: float, unit: str) -> str:
     """Return a line of the table."""
     if unit in UNITS:
         value, uncertainty = (from_si(float(x), UNITS[unit], unit) for x in (value, uncertainty))
-    return f"{name:32s} {with_uncertainty(value, uncertainty)} {unit.replace('*', ' ')}".rstrip()
-
-
-def with_uncertainty(value: float, uncertainty: float) -> str:
-    """Return "2.170 +- 0.084": two digits of the uncertainty, and the value to the same place."""
-    if not np.isfinite(uncertainty):
-        return f"{value:.4g} +- unknown"
-    if not uncertainty > 1e-9 * abs(value):
-        return f"{value:.5g}"
-    digits = 1 - int(np.floor(np.log10(uncertainty)))
-    shown = max(digits, 0)
-    return f"{round(value, digits):.{shown}f} +- {round(uncertainty, digits):.{shown}f}"
+    exact = uncertainty <= 1e-9 * abs(value)
+    text = f"{value:.5g}" if exact else numbers_text(value, uncertainty)
+    return f"{name:32s} {text} {unit.replace('*', ' ')}".rstrip()
 
 
 def bearing(
@@ -288,6 +283,7 @@ def bearing(
         uncertainty=_uncertainty([figures, *(one and one[0] for one in coarser)]),
         supply=f"{supply}: {SUPPLIES[supply]}; cavitation model {parameters['cavitation_model']}",
         viscosity=viscosity,
+        rough=to_si(parameters.get("roughness_rms", "0 m"), "m") > 0.0,
         film=fields_of_film,
     )
 

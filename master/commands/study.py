@@ -6,12 +6,22 @@ from pathlib import Path
 from rich.table import Table
 
 from ..case.reading import find_case
-from ..engine.uncertainty import numbers_text
-from ..results.pictures import draw, entry_shown
+from ..fmi.quantities import numbers_text
+from ..results.words import entry_shown
 from ..runs import studies
 from ..runs import sweep as sweeps
 from ..runs.pool import LocalPool
-from .common import Changes, Format, OutputFolder, Workers, console, parse_changes, say, tell
+from .common import (
+    Changes,
+    Format,
+    OutputFolder,
+    Workers,
+    console,
+    draw_pictures,
+    parse_changes,
+    say,
+    tell,
+)
 
 
 def command(
@@ -74,8 +84,7 @@ def command(
         names = list(dict.fromkeys(name for row in missed.values() for name in row))
         console.print(_shown(missed, "what the modes leave out of the deflection", names))
     tell(f"table    {sweeps.write_table([row.record() for row in said], folder / 'study.csv')}")
-    for picture in draw(checked, runs, folder, format):
-        tell(f"picture  {picture}")
+    draw_pictures(checked, runs, folder, format)
 
 
 def _summary(said, names, limits):

@@ -13,8 +13,9 @@ from math import hypot
 from pathlib import PurePath
 from typing import Any, NamedTuple
 
+from ..fmi.quantities import numbers_text
 from .measures import LEAST_SHARE, Measure, Measures, unknown_in_words
-from .uncertainty import DIVERGES, display_unit, numbers_text
+from .uncertainty import DIVERGES, display_unit
 
 SHARED = 0.2
 """Smallest part of the uncertainties of two figures that remains in their difference, an

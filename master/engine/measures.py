@@ -12,7 +12,7 @@ import numpy as np
 from ..case.contract import contract, players
 from ..case.schema import Case
 from ..case.tables import reduced
-from ..fmi.quantities import short
+from ..fmi.quantities import numbers_text, short
 from ..results.file import Results
 from ..results.instants import crank_angle
 from ..results.judgement import mean_over
@@ -42,7 +42,6 @@ from .uncertainty import (
     combined,
     display_unit,
     entry_of,
-    numbers_text,
 )
 
 DESIGN = {

@@ -8,15 +8,12 @@ is missing, and the text names the largest known one.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import copysign, floor, hypot, log10
+from math import copysign, hypot
 
 from ..results.words import handy_unit, scaled
 
 DISPLAYED = {"1": (100.0, "%"), "m3": (1e9, "mm³"), "rad": (57.29577951308232, "deg")}
 """SI unit -> factor to the displayed unit, and its label."""
-TWO_DIGITS = 3.55
-"""Leading digits of an uncertainty up to which it has two digits, as in the tables of the Particle
-Data Group. A larger one has one digit."""
 DIVERGES = "does not converge with the grid"
 """Reason of a missing uncertainty that is printed with the figure."""
 
@@ -79,13 +76,3 @@ def display_unit(unit: str, largest: float) -> tuple[float, str]:
         return DISPLAYED[unit]
     factor, label = scaled(1.0, unit, handy_unit(unit, largest))
     return float(factor), label
-
-
-def numbers_text(value: float, spread: float) -> str:
-    """Return two numbers of one unit as "2.17 +- 0.08"."""
-    if not spread > 0.0:
-        return f"{value:.3g}"
-    power = floor(log10(spread))
-    places = -power + (spread / 10.0**power < TWO_DIGITS)
-    shown = [f"{round(number, places):.{max(places, 0)}f}" for number in (value, spread)]
-    return " +- ".join(shown)

@@ -5,7 +5,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from importlib import import_module
-from math import isfinite
+from math import floor, isfinite, isnan, log10
 from shutil import rmtree
 from typing import Any
 
@@ -294,3 +294,23 @@ def short(value: float, unit: str, digits: int = 3) -> str:
 def one_micro(text: str) -> str:
     """Replace the Greek letter mu, which newer versions of pint write, by the micro sign."""
     return text.replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
+
+
+TWO_DIGITS = 3.55
+"""Leading digits of an uncertainty up to which it has two digits, as in the tables of the Particle
+Data Group. A larger one has one digit."""
+
+
+def numbers_text(value: float, spread: float) -> str:
+    """Return a value with its uncertainty, "2.17 +- 0.08": both end with the same digit.
+
+    An uncertainty of NaN is unknown.
+    """
+    if isnan(spread):
+        return f"{value:.3g} +- unknown"
+    if not spread > 0.0:
+        return f"{value:.3g}"
+    power = floor(log10(spread))
+    places = -power + (spread / 10.0**power < TWO_DIGITS)
+    shown = [f"{round(number, places):.{max(places, 0)}f}" for number in (value, spread)]
+    return " +- ".join(shown)

@@ -33,12 +33,7 @@ from .figures import (
 )
 from .instants import instant, instant_text
 from .maps import STYLE, FieldMap, MapRow, Mark, field_map, map_row
-from .words import entry_in_words as entry_in_words  # names that other modules import from here
-from .words import entry_shown as entry_shown
-from .words import handy_unit as handy_unit
 from .words import labelled, name_of, scaled
-from .words import names_of as names_of
-from .words import unit_shown as unit_shown
 
 PALETTE_DARK = ("#2f8fd0", "#f27d33", "#12c494", "#e59ac4", "#f2c14e", "#a6d8f7", "#e8ecef")
 """Lighter colours for a dark background."""

@@ -13,8 +13,8 @@ from piston_cosim.master.engine.impacts import impacts
 from piston_cosim.master.engine.measures import measures
 from piston_cosim.master.engine.sections import STROKES, own_strokes, special, strokes
 from piston_cosim.master.engine.verdicts import verdicts
-from piston_cosim.master.results.pictures import handy_unit, names_of
 from piston_cosim.master.results.recorded import Envelope
+from piston_cosim.master.results.words import handy_unit, names_of
 
 from .by_hand import InMemory
 

@@ -7,8 +7,8 @@ import pytest
 
 from piston_cosim.master.engine.stands import side_by_side, stands
 from piston_cosim.master.engine.surfaces import films_of, rod_turn
-from piston_cosim.master.results.pictures import entry_in_words
 from piston_cosim.master.results.solids import Solid, Stand
+from piston_cosim.master.results.words import entry_in_words
 
 from .by_hand import InMemory
 

@@ -23,9 +23,9 @@ from piston_cosim.master.engine.uncertainty import (
     Uncertainty,
     at_least,
     combined,
-    numbers_text,
 )
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.fmi.quantities import numbers_text
 from piston_cosim.master.runs import uncertainty as further
 
 from .by_hand import InMemory
@@ -42,6 +42,7 @@ from .by_hand import InMemory
         (1.69, 2.81, "1.7 +- 2.8"),
         (0.5, 12.0, "0 +- 12"),
         (3.14159, 0.0, "3.14"),
+        (1.5, float("nan"), "1.5 +- unknown"),
     ],
 )
 def test_both_numbers_end_with_the_same_digit(value, spread, text):
