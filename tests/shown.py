@@ -10,7 +10,7 @@ LEAST = 0.6
 """Largest difference from a rounded value, in units of its last digit: machines differ by 0.1."""
 
 
-def table(page, first):
+def table(page, first, number=0):
     """Return the rows of a table: label -> cells, each with its numbers as they are written.
 
     Parameters
@@ -19,9 +19,11 @@ def table(page, first):
         Path in the project.
     first : str
         First cell of the head of the table.
+    number : int
+        Number of the table among those with this cell, from 0.
     """
     lines = (ROOT / page).read_text().split("\n")
-    head = next(k for k, line in enumerate(lines) if line.startswith(f"| {first} |"))
+    head = [k for k, line in enumerate(lines) if line.startswith(f"| {first} |")][number]
     rows = {}
     for line in lines[head + 2 :]:
         if not line.startswith("|"):

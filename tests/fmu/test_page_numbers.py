@@ -1,7 +1,7 @@
 """Every number in the result tables of case pages, from runs of the cases.
 
-The main job and the journal bearing have tests of their own. Those of `data_sheet`,
-`fired_motorcycle`, `grooved_skirt`, `crank_bearings` and `whole_engine` are not here.
+The main job and the journal bearing have tests of their own. The tables of `whole_engine` are not
+here, nor those of temperatures and ties of `fired_motorcycle`.
 """
 
 from typing import NamedTuple
@@ -15,28 +15,42 @@ from ..shown import ROOT, check, table, written
 
 TEMPLATE = f"{ROOT}/models/lubrication_template/axial_film.py:AxialFilm"
 
-UNITS = {"um": 1e-6, "MPa": 1e6, "kN": 1e3, "mJ": 1e-3, "deg": np.pi / 180.0, "%": 0.01}
+UNITS = {"um": 1e-6, "MPa": 1e6, "kPa": 1e3, "kN": 1e3, "mJ": 1e-3, "cm3/s": 1e-6, "%": 0.01}
+UNITS |= {"deg": np.pi / 180.0, "roughness of data_sheet": 0.54e-6}
 """Unit of a page -> SI; others are SI."""
 
 
 class Shown(NamedTuple):
     """Quantity of a run: kind min, max, abs, mean or sum, an output, and the unit of the page.
 
-    A sum is that of the means of several outputs. The kind "summary" is an entry of the summary.
+    A sum is that of the means of several outputs, and a length that of a vector. "when" is the
+    crank angle of the maximum. The kind "summary" is an entry of the summary, and "measure" one of
+    the main results. "given" is an input of the case or a reference. With `last`, the quantity is
+    one of the last period.
     """
 
     kind: str
     outputs: str
     unit: str = ""
+    last: bool = False
 
     def value(self, results):
         """Return the value at the ends of all steps; a mean has their lengths as weights."""
+        if self.kind == "given":
+            return float(self.outputs)
         if self.kind == "summary":
             return results.summary[self.outputs] / UNITS.get(self.unit, 1.0)
-        whole = results.whole
-        series = [whole.series(port).values[1:] for port in self.outputs.split()]
-        if self.kind in ("mean", "sum"):
-            weights = np.diff(whole.time)
+        if self.kind == "measure":
+            return pc.measures(results)[self.outputs].value / UNITS.get(self.unit, 1.0)
+        shown = results.last if self.last else results.whole
+        series = [shown.series(port).values[1:] for port in self.outputs.split()]
+        if self.kind == "when":
+            angle = np.degrees(shown.series("bodies.crank_angle").values[1:])
+            return (angle[series[0].argmax()] + 360.0) % 720.0 - 360.0
+        if self.kind == "length":
+            value = float(np.hypot(*series).max())
+        elif self.kind in ("mean", "sum"):
+            weights = np.diff(shown.time)
             value = sum(float(np.average(one, weights=weights)) for one in series)
         elif self.kind == "abs":
             value = max(float(np.abs(one).max()) for one in series)
@@ -121,7 +135,118 @@ ON_BLOCK = {
 LEAST, LARGEST = (
     {label: [Shown(kind, *one)] for label, one in ON_BLOCK.items()} for kind in ("min", "max")
 )
+UNGROOVED = {
+    "minimum film thickness": [Shown("min", "ehd.minimum_film_thickness", "um")],
+    "highest pressure": [Shown("max", "ehd.maximum_pressure", "MPa")],
+    "mean friction power": [Shown("mean", "ehd.friction_power")],
+    "lateral displacement": SIDEWAYS,
+    "largest side force": SIDE_FORCE,
+}
+SHEET = {
+    "minimum film thickness": UNGROOVED["minimum film thickness"],
+    "highest film pressure": UNGROOVED["highest pressure"],
+    "largest side force": SIDE_FORCE,
+    "lateral displacement of the pin": SIDEWAYS,
+    "mean friction power of skirt and pin": [
+        Shown("mean", "ehd.friction_power"),
+        Shown("mean", "bodies.pin_friction_power"),
+    ],
+}
+COMPARED = {
+    "minimum film thickness": [
+        Shown("min", "ehd.minimum_film_thickness", "roughness of data_sheet")
+    ],
+    "largest side force": [Shown("abs", "bodies.side_force_demand", "kN")],
+    "lateral displacement of the pin": [Shown("given", "50")],
+}
+PIN_FRICTION = {
+    "film": UNGROOVED["minimum film thickness"],
+    "pressure": UNGROOVED["highest pressure"],
+    "side force": SIDE_FORCE,
+    "displacement": SIDEWAYS,
+}
+COEFFICIENT = "participants.bodies.parameters.pin_friction_coefficient"
+
+
+def of_film(film, *rows):
+    """Return quantities of a film."""
+    known = {
+        "minimum film thickness": [Shown("min", f"{film}.minimum_film_thickness", "um")],
+        "highest pressure": [Shown("max", f"{film}.maximum_pressure", "MPa")],
+        "mean friction power": [Shown("mean", f"{film}.friction_power")],
+        "mean oil flow from the slots": [Shown("mean", f"{film}.flow_openings", "cm3/s")],
+    }
+    return {row: known[row] for row in rows or [*known][:3]}
+
+
+PISTON = {"lateral displacement": SIDEWAYS, "largest side force": SIDE_FORCE}
+LOWER, UPPER = of_film("lower_film") | PISTON, of_film("upper_film")
+LOAD, FLOW = "largest load, 8 deg after firing", "mean oil flow from the slots"
+BEARINGS = {"big_end": "big_end_film", "main_bearing": "main_film"}
+CRANK = [
+    of_film(film, *of_film(film), FLOW)
+    | {LOAD: [Shown("length", f"bodies.{name}_force_x bodies.{name}_force_y", "kN")]}
+    for name, film in BEARINGS.items()
+]
+WIDENED = "largest widening along the load"
+SHELLS = [
+    of_film(film) | {WIDENED: [Shown("max", f"bodies.{output}", "um")]}
+    for film, output in (
+        ("big_end_film", "big_end_widening_along"),
+        ("main_film", "main_bearing_widening_y"),
+    )
+]
+MOBILITY = {"minimum film thickness": [Shown("given", "2.22"), Shown("given", "2.84")]}
+
+
+def last(kind, output, unit=""):
+    """Return a quantity of the last period."""
+    return Shown(kind, output, unit, last=True)
+
+
+ENERGY = "bodies.kinetic_energy"
+MOTORCYCLE = {
+    "minimum film thickness": [last("min", "ehd.minimum_film_thickness", "um")],
+    "highest pressure": [last("max", "ehd.maximum_pressure", "MPa")],
+    "largest side force": [last("abs", "bodies.side_force", "kN")],
+    "lateral displacement of the pin point": [
+        last(kind, "bodies.lateral_displacement", "um") for kind in ("min", "max")
+    ],
+    "tilt": [last(kind, "bodies.rocking_angle", "deg") for kind in ("min", "max")],
+    "largest kinetic energy across the bore": [last("max", ENERGY, "mJ"), last("when", ENERGY)],
+    "asperities' share of the friction work": [Shown("measure", "contact_share_ehd", "%")],
+    "friction mean effective pressure": [
+        Shown("measure", "friction_mean_effective_pressure_pa", "kPa")
+    ],
+    "iterations per step": [Shown("summary", "mean_iterations")],
+}
 PAGES = {
+    "data_sheet": [
+        ("quantity", [("data_sheet", "rigid", SHEET), ("data_sheet", "rigid", COMPARED)]),
+    ],
+    "grooved_skirt": [
+        (
+            "quantity",
+            [
+                ("grooved_skirt", "rigid", LOWER),
+                ("grooved_skirt", "rigid", UPPER),
+                ("data_sheet", "rigid", UNGROOVED),
+            ],
+        ),
+    ],
+    "crank_bearings": [
+        (
+            "quantity",
+            [("crank_bearings", "crank", one) for one in (*CRANK, MOBILITY)],
+        ),
+        ("quantity 1", [("crank_bearings", "elastic", one) for one in SHELLS]),
+    ],
+    "fired_motorcycle": [
+        (
+            "quantity",
+            [("fired_motorcycle", x, MOTORCYCLE) for x in ("flexible", "flooded", "rigid")],
+        ),
+    ],
     "ring_pack": [
         ("quantity", [("ring_pack", "rings", RINGS), ("ring_pack", "without", RINGS)]),
     ],
@@ -155,7 +280,10 @@ PAGES = {
         ),
     ],
 }
-"""Page -> its tables: first cell of the head, and case, variant and quantities of each column."""
+"""Page -> its tables: first cell of the head, and case, variant and quantities of each column.
+
+The second table with the same first cell has a 1 after it.
+"""
 
 ITERATIONS = [Shown("summary", "mean_iterations"), Shown("summary", "max_iterations")]
 CREATED = Shown("summary", "energy_created_share_max", "%")
@@ -194,10 +322,21 @@ def runs(tmp_path):
 
 
 @pytest.mark.slow
+def test_the_friction_of_the_pin_has_the_effect_of_the_page(tmp_path):
+    rows, computed = table("models/data_sheet/README.md", "coefficient"), {}
+    for row in rows:
+        case = pc.open_case("data_sheet", {COEFFICIENT: float(row)})
+        with case.run(tmp_path / f"{row}.h5") as results:
+            computed[row] = [[one.value(results) for one in own] for own in PIN_FRICTION.values()]
+    check(rows, computed)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES)
 def test_a_page_shows_the_numbers_of_its_runs(page, runs):
     for head, columns in PAGES[page]:
-        rows = table(f"models/{page}/README.md", head)
+        first, number = head.removesuffix(" 1"), int(head.endswith(" 1"))
+        rows = table(f"models/{page}/README.md", first, number)
         computed = {row: [] for row in rows}
         for case, label, quantities in columns:
             assert set(quantities) <= set(rows)
