@@ -16,6 +16,8 @@ from .comparison import NOT_DISTINGUISHABLE, changes, difference, differing, gri
 from .measures import NO_IMPACT, Measure, Measures
 from .uncertainty import DIVERGES, display_unit
 
+MOST_PERCENT = 10.0
+"""Relative difference above which the ratio is displayed instead."""
 MOTION = (
     "side_force_n",
     "slap_energy_j",
@@ -62,14 +64,16 @@ class Comparison:
         return ", ".join(filter(None, [one.note, DIVERGES if diverges else ""])) if one else ""
 
     def change(self, run: int) -> str:
-        """Return the relative difference of the first run from another one, in percent."""
+        """Return the relative difference of the first run from another one, and what limits it."""
         first, other = self.cells[0], self.cells[run]
         if not (first and other and other.value):
             return ""
         share = (first.value - other.value) / abs(other.value)
         change = f"{100 * share:+.0f} %".replace("-", "\N{MINUS SIGN}")
-        clear = difference(first, other, self.alike[run]).text != NOT_DISTINGUISHABLE
-        return change if clear else f"{change}, {NOT_DISTINGUISHABLE}"
+        if share > MOST_PERCENT:
+            change = f"{first.value / other.value:.3g} times"
+        text = difference(first, other, self.alike[run]).text
+        return f"{change}, {text}" if text in (NOT_DISTINGUISHABLE, DIVERGES) else change
 
     def share(self, run: int) -> float:
         """Return the value of a run relative to the largest one, in percent."""
@@ -123,11 +127,11 @@ def _sentence(runs, tables, figures, alike) -> str:
     """Return the figures of the first run, or what changes from the second run to the first one."""
     pairs = [(one.cells[0], one.cells[1]) for one in figures if len(runs) > 1]
     known = [difference(one, other, alike[1]) for one, other in pairs if one and other]
+    own = [f"the {cell.label} is {cell.figure}" for one in figures if (cell := one.cells[0])]
+    if not own:
+        return ""
     if not known or len(known) < len(figures):
-        said = listed(
-            [f"the {cell.label} is {cell.figure}" for f in figures if (cell := f.cells[0])]
-        )
-        return f"{said[0].upper()}{said[1:]}."
+        return f"T{listed(own)[1:]}."
     names, trees = list(runs), [results.case for results in runs.values()]
     if len(names) == 2 and trees[0].get("label") == trees[1].get("label"):
         names = differing(trees[0], trees[1], names)

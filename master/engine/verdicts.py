@@ -44,6 +44,8 @@ PLAY = 0.02, 0.1
 MEMORY = 4
 """Steps whose local errors add up in a film: the largest error of `floating_pin` at 1 deg is 0.8 to
 3.7 of the largest local one (docs/measurements/floating_pin.md)."""
+LEAST_PERCENT = 1e-5
+"""Share below which only this bound is displayed."""
 RIGID = (
     " A rigid skirt does not yield, so it overstates the pressure. Make it flexible: "
     "`piston-cosim new --piston slipper`, or a mesh and modes in build.piston."
@@ -108,7 +110,7 @@ def _colour(value, amber, red) -> Colour:
 
 def _percent(share):
     """Return a fraction in percent."""
-    return f"{100 * share:.2g} %"
+    return "<0.001 %" if 0.0 < share < LEAST_PERCENT else f"{100 * share:.2g} %"
 
 
 def _share(what, share, limits, said) -> Verdict:
