@@ -61,6 +61,11 @@ class Difference(NamedTuple):
         """Name of the figure."""
         return self.first.label
 
+    @property
+    def is_zero(self) -> bool:
+        """Whether the figure is zero in both runs."""
+        return not self.first.value and not self.second.value
+
 
 class Compared(NamedTuple):
     """Comparison of two runs.
@@ -97,9 +102,9 @@ def compared(
         if one.key in BETTER and not (one.key == "mean_friction_power_w" and one.owner)
         if (other := tables[1].of(one.key, one.owner))
     ]
-    zero = [row for row in rows if not row.first.value and not row.second.value]
-    rows = [row for row in rows if row not in zero]
-    remarks = [f"Zero in both runs: {', '.join(row.label for row in zero)}."] if zero else []
+    zero = [row.label for row in rows if row.is_zero]
+    rows = [row for row in rows if not row.is_zero]
+    remarks = [f"Zero in both runs: {', '.join(zero)}."] if zero else []
     remarks += unknown_in_words([one for row in rows for one in (row.first, row.second)])
     worst = [[table.worst(key) for key in MAIN] for table in tables]
     main = [difference(one, other, alike) for one, other in zip(*worst) if one and other]

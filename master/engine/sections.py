@@ -37,12 +37,15 @@ from .friction import friction_pressures
 from .impacts import impacts
 from .places import film_body, film_surface, gap_port
 from .stands import stands
+from .surfaces import at_instants
 
 STROKES = ("expansion", "exhaust", "intake", "compression")
 """Strokes from firing top dead centre, 180 deg each."""
 LEAST_LOAD = 0.05
 """Minimum radial load for a friction coefficient, relative to the largest one of the run."""
 CRANK = "crank angle [deg]"
+MOTION = ("lateral_displacement", "piston_position", "rocking_angle")
+"""Outputs that move a piston on the page."""
 
 Runs = dict[str, Results]
 
@@ -200,13 +203,7 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
     known = held.shape[1] == sum(modes)
     modes = modes if known else [0] * len(skins)
     parts = np.split(held, np.cumsum(modes)[:-1], axis=1)
-    ports = ("lateral_displacement", "piston_position", "rocking_angle")
-    motion = np.column_stack(
-        [
-            np.interp(results.instants, results.time, results.series(f"{body}.{name}").values)
-            for name in ports
-        ]
-    )
+    motion = np.column_stack([at_instants(results, f"{body}.{name}") for name in MOTION])
     meshed = [
         Solid(
             skin.name,
