@@ -162,7 +162,13 @@ def leaves(tree: Any, key: str = "") -> dict[str, Any]:
 
 
 def differing(one: dict[str, Any], other: dict[str, Any], names: Sequence[str]) -> tuple[str, str]:
-    """Return what two cases do not share, in words; their names if it is nothing or too much."""
+    """Return what two cases do not share, in words.
+
+    Variants of a case have names, which are returned. So they are if nothing or too much differs.
+    """
+    labels = [tree.get("label", "base") for tree in (one, other)]
+    if labels[0] != labels[1] or {*names[:2]} <= {labels[0], *one.get("variants", {})}:
+        return names[0], names[1]
     pair = [
         leaves({key: value for key, value in tree.items() if key not in NOT_RESULTS})
         for tree in (one, other)

@@ -132,10 +132,8 @@ def _sentence(runs, tables, figures, alike) -> str:
         return ""
     if not known or len(known) < len(figures):
         return f"T{listed(own)[1:]}."
-    names, trees = list(runs), [results.case for results in runs.values()]
-    if len(names) == 2 and trees[0].get("label") == trees[1].get("label"):
-        names = differing(trees[0], trees[1], names)
-    return changes(names, known)
+    trees = [results.case for results in runs.values()]
+    return changes(differing(trees[0], trees[1], list(runs)), known)
 
 
 def _of_films(table, films) -> Iterator[Measure]:

@@ -92,6 +92,9 @@ def test_what_differs_is_named_and_no_hash():
     fine, coarse = tree("a.csv", grid=(104, 40)), tree("a.csv")
     assert differing(fine, coarse, names) == ("grid [104, 40]", "grid [52, 20]")
     assert differing(coarse, tree("a.csv", label="other"), ("base", "other")) == ("base", "other")
+    variants = tree("a.csv") | {"variants": {"other": {}}}
+    assert differing(variants, tree("b.csv"), ("base", "other")) == ("base", "other")
+    assert differing(variants, tree("b.csv"), names) == ("a.csv", "b.csv")
     assert grids(fine) != grids(coarse) == grids(tree("b.csv"))
 
 
