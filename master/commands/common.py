@@ -248,6 +248,7 @@ def print_answers(answers, verbose=False):
     for name in dict.fromkeys(name for one in answers.values() for name in one.lines):
         table.add_row(name, *(one.lines.get(name, "") for one in answers.values()))
     wide_console().print(table, highlight=False)
+    width = max((len(c.what) for one in answers.values() for c in one.verdicts), default=0)
     for label, one in answers.items():
         if one.uncertainty:
             say(f"{label}: {one.uncertainty}" if len(answers) > 1 else one.uncertainty)
@@ -256,7 +257,7 @@ def print_answers(answers, verbose=False):
                 continue
             colour = {"amber": "yellow"}.get(check.colour, check.colour)
             whose = f"{label}: " if len(answers) > 1 else ""
-            shown = f"[{colour}]{check.outcome:7s} {check.what:14s}[/] {whose}{check.said}"
+            shown = f"[{colour}]{check.outcome:7s} {check.what:{width}s}[/] {whose}{check.said}"
             tell(shown)
 
 

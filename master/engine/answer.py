@@ -10,11 +10,11 @@ from ..case.tables import reduced
 from ..fmi.quantities import short
 from ..results.file import Results
 from ..results.instants import crank_angle
-from .measures import Measures, measures, unknown_in_words
-from .uncertainty import UNKNOWN
+from .measures import Measure, Measures, measures, unknown_in_words
+from .uncertainty import UNKNOWN, display_unit
 from .verdicts import RANK, WORDS, Verdict, verdicts
 
-ENDS = ("minimum", "maximum")
+ENDS, RANGE = ("minimum", "maximum"), " to "
 LINES = (
     ("minimum film", "films", ["minimum_film_thickness_m"], ""),
     ("maximum pressure", "films", ["maximum_pressure_pa"], ""),
@@ -23,8 +23,8 @@ LINES = (
     ("asperity contact", "films", ["contact_share", "contact_area"], ", "),
     ("side force", "bodies", ["side_force_n", "side_force_demand_n"], "; "),
     ("slap", "bodies", ["slap_energy_j"], ""),
-    ("lateral motion", "bodies", [f"{end}_lateral_displacement_m" for end in ENDS], " to "),
-    ("rocking angle", "bodies", [f"{end}_rocking_angle_rad" for end in ENDS], " to "),
+    ("lateral motion", "bodies", [f"{end}_lateral_displacement_m" for end in ENDS], RANGE),
+    ("rocking angle", "bodies", [f"{end}_rocking_angle_rad" for end in ENDS], RANGE),
     ("oil", "films", ["oil_throughput_m3"], ""),
 )
 """Name of a line, whose participants have one, its measures, and the text between them.
@@ -73,8 +73,17 @@ def headlines(table: Measures) -> dict[str, str]:
         for owner in owners[kind]:
             known = [one for one in table.all if one.owner == owner and one.key in keys]
             alone = len(owners[kind]) == 1
-            found[name if alone else f"{name}, {owner}"] = between.join(one.text for one in known)
+            said = in_one_unit(known) if between == RANGE else between.join(m.text for m in known)
+            found[name if alone else f"{name}, {owner}"] = said
     return {name: said for name, said in found.items() if said}
+
+
+def in_one_unit(known: list[Measure]) -> str:
+    """Return the ends of a range in one unit."""
+    if not known:
+        return ""
+    factor, label = display_unit(known[0].unit, max(abs(one.value) for one in known))
+    return f"{RANGE.join(one.number(factor) for one in known)} {label}"
 
 
 def row_of(case, path) -> dict[str, float | str]:
@@ -111,7 +120,8 @@ def uncertainty_text(table: Measures, summary: dict) -> str:
         how = "from a second grid and doubled steps" if computed else "estimates from this run"
         parts = Counter(one.uncertainty.contributor for one in known)
         cause, count = parts.most_common(1)[0]
-        said = [f"Uncertainties are {how}. The largest part of {count} of {len(known)} is {cause}."]
+        largest = f"The largest part of {count} of {len(known)} is that of the {cause}."
+        said = [f"Uncertainties are {how}. {largest}"]
     said += unknown_in_words(table.estimated)
     if why := summary.get("uncertainty_reason"):
         said.append(f"A second grid is not possible: {why}.")

@@ -306,14 +306,16 @@ def _peaks(run, film) -> Iterator[Measure]:
         return
     axis = run.case.axes_of(port).first
     for peak in side_peaks(axis, run.results.dataset(port)[:]):
-        shown, note = f"on the {peak.side} line", ""
+        shown = f"on the {peak.side} line"
         if peak.distance >= BESIDE:
             shown = f"{peak.distance:.0f} {axis.unit} from the {peak.side} line"
-            note = f", {peak.excess:.0%} higher than on it (at least {ABOVE:.0%} higher in "
-            shown, note = f"{shown}{note}{peak.share:.0%} of loaded instants)", ""
+            excess, above, share = (f"{100 * x:.0f} %" for x in (peak.excess, ABOVE, peak.share))
+            shown += (
+                f", {excess} higher than on it (at least {above} in {share} of loaded instants)"
+            )
         label = f"distance of the pressure peak from the {peak.side} line"
         value = float(np.radians(peak.distance))
-        yield Measure("peak_distance_rad", label, value, "rad", film, note=note, shown=shown)
+        yield Measure("peak_distance_rad", label, value, "rad", film, shown=shown)
 
 
 def _of_friction(run: _Run) -> Iterator[Measure]:

@@ -252,7 +252,7 @@ def _of_grid(results, name):
     instant, *cell = np.unravel_index(pressure.argmax(), pressure.shape)
     widths = peak_width(pressure[instant], cell)
     remarks = [
-        f"The pressure peak spans {widths.around} cells around and {widths.along} along at half "
+        f"The pressure peak spans {_cells(widths.around)} around and {widths.along} along at half "
         f"its height (minimum {PEAK[0]})"
     ]
     colours: list[Colour] = [_colour(-min(widths), -PEAK[0], -PEAK[1])]
@@ -275,9 +275,13 @@ def _of_grid(results, name):
         thin = narrowest_opening(closed)
         if thin and thin < OPENING:
             colours.append("amber")
-            cells = "cell" if thin == 1 else "cells"
-            remarks.append(f"An opening in the film is {thin} {cells} wide (minimum {OPENING})")
+            remarks.append(f"An opening in the film is {_cells(thin)} wide (minimum {OPENING})")
     yield Verdict(max(colours, key=RANK.index), "grid", " ".join(f"{one}." for one in remarks))
+
+
+def _cells(count):
+    """Return a number of cells in words."""
+    return f"{count} cell{'' if count == 1 else 's'}"
 
 
 def without_film(pressure: np.ndarray, fraction: np.ndarray) -> np.ndarray:

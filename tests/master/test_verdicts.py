@@ -225,7 +225,7 @@ def hill(width_around, width_along, cells=40, closed=0, at=9, full=10):
         (hill(4, 5), "green", "4 cells around and 5 along"),
         (hill(4, 5, full=0), "green", "4 cells around and 5 along"),
         (hill(5, 3), "amber", "5 cells around and 3 along"),
-        (hill(1, 5), "red", "1 cells around"),
+        (hill(1, 5), "red", "1 cell around"),
         (hill(6, 6, at=37), "green", "6 cells around"),  # across the seam of the ring
         (hill(4, 4, cells=41), "amber", "41 cells around are odd"),
         (hill(4, 4, closed=3), "green", "4 cells around and 4 along"),
@@ -272,8 +272,8 @@ def test_the_first_screen_by_hand(tmp_path):
         "2 mJ lost at 720 deg, lower edge at 50 mm/s on the anti-thrust side, "
         "height above the pin -45.5 mm"
     )
-    assert said["lateral motion"] == "-10 µm to 10 µm"
-    assert said["rocking angle"] == "-0.1 deg to 0.1 deg"
+    assert said["lateral motion"] == "-10 to 10 µm"
+    assert said["rocking angle"] == "-0.1 to 0.1 deg"
     assert said["oil"] == (
         "net 2.51 mm³ in through the lower edge, 2.51 mm³ out through the upper edge per period; "
         "throughput 5.33 mm³"
