@@ -123,6 +123,8 @@ def uncertainty_text(table: Measures, summary: dict) -> str:
         largest = f"The largest part of {count} of {len(known)} is that of the {cause}."
         said = [f"Uncertainties are {how}. {largest}"]
     said += unknown_in_words(table.estimated)
+    if kept := summary.get("uncertainty_kept"):
+        said.append(f"The second grid is that of the other films than {kept}.")
     if why := summary.get("uncertainty_reason"):
         said.append(f"A second grid is not possible: {why}.")
     return " ".join(said)

@@ -137,6 +137,12 @@ def angle_power(units: Any) -> float:
     return registry().Quantity(1.0, units).to_root_units()._units.get("radian", 0)
 
 
+def times(text: str, factor: float) -> str:
+    """Return a quantity times a number, as text."""
+    one = quantity(text)
+    return f"{factor * one.magnitude:.12g} {one.units:~}"
+
+
 def are_compatible(units: Any, others: Any) -> bool:
     """Return whether two units of pint have the same dimension, angles included."""
     same = registry().Quantity(1.0, units).is_compatible_with(others)

@@ -8,9 +8,8 @@ most 1.7 times as long.
 
 import json
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from copy import deepcopy
-from math import sqrt
 from pathlib import Path
 from typing import Any
 
@@ -20,20 +19,18 @@ from ..case.system import open_system
 from ..engine.measures import Measures, measures
 from ..engine.uncertainty import entry_of
 from ..fmi.errors import BadInput, Stopped
-from ..fmi.quantities import are_compatible, quantity
+from ..fmi.quantities import are_compatible, quantity, times
 from ..results.file import Results
 from ..results.recorded import add_to_summary
 from .run import run
+from .second_grid import GRID_SAFETY, coarser, grid_safety, kept_films, ratio_of
 
-COARSER = sqrt(2.0)
-"""Cells of the grid over those of the second one, in each direction."""
 LONGER = 2.0
 """Steps of the third run over those of the others."""
-GRID_SAFETY, STEP_SAFETY = 3.0, 1.25
-"""Factors of safety on differences between two grids and between two steps [Roache1994]. With grids
-in the ratio of 1.41, 3 is the factor of an order of 2 with the safety 3, and that of an order of 1
-with the safety 1.25. With doubled steps, 1.25 is the factor of an order of 1 with the safety 1.25,
-and exceeds that of an order of 2 with the safety 3."""
+STEP_SAFETY = 1.25
+"""Factor of safety on the difference between two steps [Roache1994]. With doubled steps, it is the
+factor of an order of 1 with the safety 1.25, and exceeds that of an order of 2 with the safety 3.
+`second_grid.GRID_SAFETY` is the factor of two grids."""
 SHARE, LEAD = 3, 0.25
 """Periods of the run for each whole period of a further one, and the part of a period before these.
 The film starts full, and the lead forgets it."""
@@ -54,6 +51,8 @@ def state_uncertainty(
 
     Without f_grid, u_grid is 3 (f - f_both), which contains the step. Doubled steps and 1.41 times
     the cell size double the errors of first order in time and of second order in space alike.
+    `grid_safety` replaces the factor 3 if the second grid has another ratio. Without a second grid
+    for its film, a figure has the part u_step = 1.25 (f - f_both) only.
 
     Parameters
     ----------
@@ -67,7 +66,8 @@ def state_uncertainty(
     Returns
     -------
     dict of str to float or str
-        Added entries `uncertainty_CAUSE_NAME` in SI, or `uncertainty_reason` if there are none.
+        Added entries `uncertainty_CAUSE_NAME` in SI, or `uncertainty_reason` if there are none;
+        `uncertainty_kept` names films without a second grid.
 
     References
     ----------
@@ -85,7 +85,12 @@ def state_uncertainty(
             except (BadInput, Stopped) as why:
                 entries = {"uncertainty_reason": str(why).splitlines()[0]}
             else:
-                entries = {**differences(own, *found)}
+                kept = kept_films(tree)
+                entries = {
+                    **differences(own, *found, safety=grid_safety(ratio_of(tree)), kept=kept)
+                }
+                if kept:
+                    entries["uncertainty_kept"] = ", ".join(sorted(kept))
                 break
     add_to_summary(output, entries)
     return entries
@@ -104,20 +109,24 @@ def attempts(tree: dict[str, Any], results: Results, scratch: Path) -> list[Tree
     return [lambda: [*(make(base) for make in both), longer(coarser(base))], whole]
 
 
-def differences(own: Measures, *others: Measures) -> dict[str, float]:
+def differences(
+    own: Measures, *others: Measures, safety: float = GRID_SAFETY, kept: Container[str] = ()
+) -> dict[str, float]:
     """Return the uncertainties of measures by Eq. (X48), as entries of the summary.
 
     `others` are the measures on the second grid, if there are two, and those with doubled steps.
+    The films `kept` have no second grid.
     """
     entries: dict[str, float] = {}
     for one in own.estimated:
         found = [table.of(one.key, one.owner) for table in others]
-        values = [other.value for other in found if other]
-        if len(values) < len(others):
+        values = [one.value, *(other.value for other in found if other)]
+        if len(values) <= len(others):
             continue
-        entries[entry_of("grid", one.name)] = GRID_SAFETY * (one.value - values[0])  # Eq. (X48)
-        if len(values) > 1:
-            entries[entry_of("step", one.name)] = STEP_SAFETY * (values[0] - values[1])
+        if one.owner not in kept:
+            entries[entry_of("grid", one.name)] = safety * (one.value - values[1])  # Eq. (X48)
+        if one.owner in kept or len(others) > 1:
+            entries[entry_of("step", one.name)] = STEP_SAFETY * (values[-2] - values[-1])
     return entries
 
 
@@ -126,40 +135,12 @@ def _periods(results):
     return (results.summary or {}).get("periods", 0)
 
 
-def coarser(tree: dict[str, Any]) -> dict[str, Any]:
-    """Return the tree with fewer cells, an even number around.
-
-    Raises `BadInput` if a film has no grid, or a body has several film surfaces.
-    """
-    made = deepcopy(tree)
-    builds = [table.get("build", {}) for table in made["participants"].values()]
-    if any("film_surfaces" in build for build in builds):
-        raise BadInput("expected one film surface of a body, got several")
-    films = players(tree, "lubrication")
-    lacking = [name for name in films if "grid" not in tree["participants"][name].get("build", {})]
-    if lacking or not films:
-        got = (
-            f"none in {', '.join(lacking)}" if lacking else 'no participant with role "lubrication"'
-        )
-        raise BadInput(f"expected films with build.grid, got {got}")
-    for build in builds:
-        if "grid" in build:
-            build["grid"] = [max(4, 2 * round(n / COARSER / 2)) for n in build["grid"]]
-    return made
-
-
 def longer(tree: dict[str, Any]) -> dict[str, Any]:
     """Return the tree with longer macro steps."""
     made = deepcopy(tree)
     time = made["time"]
-    time |= {key: _times(time[key], LONGER) for key in ("step", "smallest_step") if key in time}
+    time |= {key: times(time[key], LONGER) for key in ("step", "smallest_step") if key in time}
     return made
-
-
-def _times(text, factor):
-    """Return a quantity times a number."""
-    one = quantity(text)
-    return f"{factor * one.magnitude:.12g} {one.units:~}"
 
 
 def continued(tree, results, scratch):
@@ -178,7 +159,7 @@ def continued(tree, results, scratch):
         path.write_text(json.dumps({key: value.tolist() for key, value in values.items()}))
         made["participants"][name]["build"]["start"] = str(path)
     count = max(1, periods // SHARE) + lead(case.period, case.time.step)
-    made["time"]["stop"] = _times(case.period, count)
+    made["time"]["stop"] = times(case.period, count)
     return made
 
 

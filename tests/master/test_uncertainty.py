@@ -27,6 +27,13 @@ from piston_cosim.master.engine.uncertainty import (
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.fmi.quantities import numbers_text
 from piston_cosim.master.runs import uncertainty as further
+from piston_cosim.master.runs.second_grid import (
+    coarser,
+    fitting_rows,
+    grid_safety,
+    kept_films,
+    ratio_of,
+)
 
 from .by_hand import InMemory
 
@@ -208,11 +215,15 @@ def test_differences_of_further_runs_by_hand():
     }
     found = further.differences(table(10.0), table(13.0))
     assert found == {"uncertainty_grid_slap_energy_j_bodies": -9.0}
+    found = further.differences(table(10.0), table(13.0), kept={"bodies"})
+    assert found == {"uncertainty_step_slap_energy_j_bodies": -3.75}
+    found = further.differences(table(10.0), table(12.0), safety=1.5)
+    assert found == {"uncertainty_grid_slap_energy_j_bodies": -3.0}
 
 
 def test_trees_of_further_runs():
     tree = read_tree(find_case("data_sheet"))
-    second = further.coarser(tree)
+    second = coarser(tree)
     third = further.longer(second)
     grids = [one["build"]["grid"] for one in third["participants"].values() if "build" in one]
     assert grids == [[28, 28], [28, 28]]
@@ -220,7 +231,52 @@ def test_trees_of_further_runs():
     assert tree["participants"]["ehd"]["build"]["grid"] == [40, 40]
     del tree["participants"]["ehd"]["build"]["grid"]
     with pytest.raises(BadInput, match="expected films with build.grid, got none in ehd"):
-        further.coarser(tree)
+        coarser(tree)
+
+
+def test_films_of_one_body_have_the_rows_of_its_second_grid():
+    """21 rows instead of 40 have their edges 0.025 rows from 19 and 21 of 40.
+
+    One film is 10 of 21 rows instead of 19 of 40, so that its length is 82.8 mm x 10/21.
+    """
+    assert fitting_rows(40, [0, 19, 21, 40]) == 21
+    assert fitting_rows(40, [0, 40]) == 28
+    tree = read_tree(find_case("grooved_skirt"))
+    made = coarser(tree)["participants"]
+    bodies = made["bodies"]["build"]
+    assert bodies["grid"] == [20, 21]
+    assert [band["rows"] for band in bodies["film_surfaces"]] == [[1, 10], [12, 21]]
+    for film in ("lower_film", "upper_film"):
+        assert made[film]["build"]["grid"] == [20, 10]
+        length = float(made[film]["parameters"]["skirt_length"].removesuffix(" mm"))
+        assert length == pytest.approx(82.8 * 10 / 21, rel=1e-9)
+    assert ratio_of(tree) == pytest.approx(40 / 21)
+    assert kept_films(tree) == set()
+
+
+def test_factors_of_safety_by_hand():
+    """Order 2 has 3/(r^2 - 1), order 1 has 1.25/(r - 1), and their larger one is at most 3."""
+    assert grid_safety(2.0) == pytest.approx(1.25)
+    assert grid_safety(1.5) == pytest.approx(2.5)
+    assert grid_safety(1.2) == 3.0
+
+
+def test_films_of_pin_and_crank_keep_their_grid():
+    tree = read_tree(find_case("crank_bearings"))
+    shells = {f"{name}_film" for name in ("left", "right", "small_end", "big_end", "main")}
+    assert kept_films(tree) == shells
+    made = coarser(tree)["participants"]
+    assert made["skirt_film"]["build"]["grid"] == made["bodies"]["build"]["grid"] == [28, 28]
+    assert {tuple(made[name]["build"]["grid"]) for name in shells} == {(72, 8)}
+    assert made["bodies"]["build"]["big_end"]["grid"] == [72, 8]
+
+
+def test_a_masked_skirt_has_no_second_grid():
+    tree = read_tree(find_case("data_sheet"))
+    tree["participants"]["ehd"]["build"]["mask"] = "holes.csv"
+    assert kept_films(tree) == {"ehd", "bodies"}
+    with pytest.raises(BadInput, match="without build.mask, got none"):
+        coarser(tree)
 
 
 @pytest.mark.parametrize(
