@@ -17,6 +17,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from functools import partial
+from itertools import chain
 from math import hypot
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -244,7 +245,7 @@ def main():
     parser.add_argument("--engines", type=Path)
     folder = parser.parse_args().engines
     rows = []
-    for row in [*films(), *(engines(folder) if folder else ())]:
+    for row in chain(films(), engines(folder) if folder else ()):
         rows.append(row)
         error, estimate = row.error, row.estimate
         shown = f"{row.name:75s} {row.uncertainty:9.2%}"

@@ -1,11 +1,13 @@
 """Processor time of a run with `--uncertainty` over that of the plain run.
 
-    python tests/bench/uncertainty_time.py [CASE...]    data_sheet and numerical_example: minutes
+    python tests/bench/uncertainty_time.py [CASE...] [--passes N]    default: data_sheet and
+                                                         numerical_example, two passes: minutes
 
-Each run is a command of its own with one thread. A first pass fills the caches of kernels, FMUs and
+Each run is a command of its own with one thread. A first one fills the caches of kernels, FMUs and
 reduced bodies. The passes take turns, and the shortest time of each counts.
 """
 
+import argparse
 import os
 import resource
 import subprocess
@@ -13,7 +15,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-PASSES = 2
 THREADS = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "NUMBA")}
 
 
@@ -30,15 +31,20 @@ def seconds(case: str, variant: str, *options: str) -> float:
 
 def main():
     """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("cases", nargs="*")
+    parser.add_argument("--passes", type=int, default=2)
+    options = parser.parse_args()
     variants = {"data_sheet": "rigid", "numerical_example": "flexible"}
     print(f"{'case':24s} {'plain [s]':>10s} {'with [s]':>10s} {'ratio':>7s}")
-    for case in sys.argv[1:] or variants:
+    for case in options.cases or variants:
         of_case = variants.get(case, "base")
+        seconds(case, of_case, "--uncertainty")
         times = [
             (seconds(case, of_case), seconds(case, of_case, "--uncertainty"))
-            for _ in range(1 + PASSES)
+            for _ in range(options.passes)
         ]
-        plain, both = (min(column) for column in zip(*times[1:]))
+        plain, both = (min(column) for column in zip(*times))
         print(f"{case:24s} {plain:10.1f} {both:10.1f} {both / plain:7.2f}", flush=True)
 
 
