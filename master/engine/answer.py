@@ -124,7 +124,7 @@ def uncertainty_text(table: Measures, summary: dict) -> str:
         said = [f"Uncertainties are {how}. {largest}"]
     said += unknown_in_words(table.estimated)
     if kept := summary.get("uncertainty_kept"):
-        said.append(f"The second grid is that of the other films than {kept}.")
+        said.append(f"These participants keep their grid: {kept}.")
     if why := summary.get("uncertainty_reason"):
         said.append(f"A second grid is not possible: {why}.")
     return " ".join(said)

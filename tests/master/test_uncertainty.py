@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.case.reading import find_case, read_tree
+from piston_cosim.master.engine.answer import uncertainty_text
 from piston_cosim.master.engine.indicator import (
     Course,
     Indicator,
@@ -269,6 +270,11 @@ def test_films_of_pin_and_crank_keep_their_grid():
     assert made["skirt_film"]["build"]["grid"] == made["bodies"]["build"]["grid"] == [28, 28]
     assert {tuple(made[name]["build"]["grid"]) for name in shells} == {(72, 8)}
     assert made["bodies"]["build"]["big_end"]["grid"] == [72, 8]
+
+
+def test_the_output_names_what_keeps_its_grid():
+    text = uncertainty_text(Measures(), {"uncertainty_kept": "left_film"})
+    assert text == "These participants keep their grid: left_film."
 
 
 def test_a_masked_skirt_has_no_second_grid():
