@@ -15,13 +15,17 @@ import sys
 import tempfile
 from pathlib import Path
 
+import piston_cosim as pc
+
+CASES = ("data_sheet", "numerical_example")
 THREADS = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "NUMBA")}
 
 
-def seconds(case: str, variant: str, *options: str) -> float:
-    """Return the processor time of a command with its children [s]."""
+def seconds(case: str, *options: str) -> float:
+    """Return the processor time of a command that runs a case without its variants [s]."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "piston_cosim", "run", case, "--only", variant]
+        command = [sys.executable, "-m", "piston_cosim", "run", case]
+        command += ["--only", pc.open_case(case).label]
         command += ["--no-plots", "--output", str(Path(folder) / "runs"), *options]
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=os.environ | THREADS)
@@ -35,15 +39,10 @@ def main():
     parser.add_argument("cases", nargs="*")
     parser.add_argument("--passes", type=int, default=2)
     options = parser.parse_args()
-    variants = {"data_sheet": "rigid", "numerical_example": "flexible"}
     print(f"{'case':24s} {'plain [s]':>10s} {'with [s]':>10s} {'ratio':>7s}")
-    for case in options.cases or variants:
-        of_case = variants.get(case, "base")
-        seconds(case, of_case, "--uncertainty")
-        times = [
-            (seconds(case, of_case), seconds(case, of_case, "--uncertainty"))
-            for _ in range(options.passes)
-        ]
+    for case in options.cases or CASES:
+        seconds(case, "--uncertainty")
+        times = [(seconds(case), seconds(case, "--uncertainty")) for _ in range(options.passes)]
         plain, both = (min(column) for column in zip(*times))
         print(f"{case:24s} {plain:10.1f} {both:10.1f} {both / plain:7.2f}", flush=True)
 
