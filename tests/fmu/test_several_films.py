@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+import piston_cosim as pc
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.commands.common import variant_trees
@@ -54,6 +55,36 @@ def test_as_many_iterations_as_with_one(results_of, name):
     one, several = (results_of(n).series("coupling.iterations").values for n in ("one_film", name))
     assert several.sum() <= one.sum() + 2
     assert several.max() <= 4
+
+
+def test_uncertainty_of_two_films_from_a_second_grid(tmp_path):
+    """The case with 21 rows for 40 and 4 deg for 2 deg is the second grid, its ratio is 40/21.
+
+    The factor of the difference is then 1.25/(40/21 - 1), that of an order of 1. The same run
+    differs by round-off only.
+    """
+    short = {"time.stop": "20 deg", "time.step": "2 deg", "record.every": 1}
+    own = pc.open_case("grooved_skirt", short).run(tmp_path / "own.h5", uncertainty=True)
+    films = ("lower_film", "upper_film")
+    rows = {"lower": [1, 10], "upper": [12, 21]}
+    second = {
+        "time.step": "4 deg",
+        "participants.bodies.build.grid": [20, 21],
+        "participants.bodies.build.film_surfaces": [
+            {"name": name, "rows": ends} for name, ends in rows.items()
+        ],
+    }
+    for film in films:
+        second[f"participants.{film}.build.grid"] = [20, 10]
+        second[f"participants.{film}.parameters.skirt_length"] = f"{82.8 * 10 / 21:.12g} mm"
+    coarse = pc.open_case("grooved_skirt", short | second).run(tmp_path / "coarse.h5")
+    assert own.summary and coarse.summary
+    for film in films:
+        key = f"minimum_film_thickness_{film.removesuffix('_film')}_m"
+        difference = 1.25 / (40 / 21 - 1) * (own.summary[key] - coarse.summary[key])
+        entry = own.summary[f"uncertainty_grid_minimum_film_thickness_m_{film}"]
+        assert entry == pytest.approx(difference, rel=1e-6)
+    assert "uncertainty_kept" not in own.summary
 
 
 def test_a_crown_land_beside_the_skirt(tmp_path):
