@@ -443,6 +443,8 @@ CASES = {
     "floating, crank, block, moving": Case(True, True, False, True, True),
     "all": Case(True, True, True, True, True),
 }
+QUICK = "tied, block, moving", "floating, crank, bending", "all"
+"""Cases that contain the parts of all others."""
 
 
 def by_steps(case, per_degree):
@@ -451,7 +453,10 @@ def by_steps(case, per_degree):
     return way[::per_degree]
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(one, marks=() if one in QUICK else pytest.mark.slow) for one in CASES],
+)
 def test_motion_and_forces_are_those_of_a_multibody_program(name):
     """All outputs agree to 1e-3 of their range, and the error falls with the square of the step.
 

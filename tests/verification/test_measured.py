@@ -22,6 +22,7 @@ def test_the_torque_without_much_contact_is_that_of_sander(speed):
     assert abs(shares("sander_2016", **only)["friction_torque"]) < 0.03
 
 
+@pytest.mark.slow
 def test_elastic_rough_bearings_have_the_torque_at_low_speed():
     """Within 15 % of the largest torque, the bar, which smooth flow or rigid journals miss."""
     only = dict(load="8000", speed="150")
@@ -35,6 +36,7 @@ def test_elastic_rough_bearings_have_the_torque_at_low_speed():
     assert low == pytest.approx(-0.859, abs=0.01)
 
 
+@pytest.mark.slow
 def test_the_torque_is_least_between_400_and_600_rpm():
     torque = {
         speed: next(measured.figures("sander_2016", load="8000", speed=speed)).computed
@@ -53,6 +55,7 @@ def test_a_step_bearing_is_that_of_nicholas():
     assert all(abs(one.difference) < 0.05 for one in found.values()) and len(found) == 3
 
 
+@pytest.mark.slow
 def test_an_elastic_diaphragm_has_the_pressure_of_freund():
     """15 % at worst and 5 % in the mean, the bars, in all rows; a rigid bearing misses both."""
     found = {"pressure": [], "deflection": []}
