@@ -110,7 +110,7 @@ def half_field(field: ModalField, angles: int) -> ModalField:
     values = field.table.astype(float).reshape(k, points // angles, angles)
     even = (values - odd_part(values, 2))[:, :, first:last]
     return ModalField(
-        table=even.reshape(k, -1).astype(np.float32),
+        table=even.reshape(k, points // angles * (last - first)).astype(np.float32),
         kind=field.kind,
         classes=1,
         part=last - first,
