@@ -208,8 +208,9 @@ def parameters():
     from piston_cosim.fmu_mfbd.dynamics.block_force import BlockForce
     from piston_cosim.fmu_mfbd.dynamics.build_options import FilmGrid
     from piston_cosim.fmu_mfbd.dynamics.parameters import CRANK_PARAMETERS, SpaceParameters
-    from piston_cosim.fmu_mfbd.dynamics.pin_outputs import PinScalars
+    from piston_cosim.fmu_mfbd.dynamics.pin_outputs import PIN_OUTPUTS
     from piston_cosim.fmu_mfbd.dynamics.space_model import SpaceScalars
+    from piston_cosim.master.fmi.variables import output_variable
 
     grid, modes = (40, 40), 120
     films = (FilmGrid("", grid),)
@@ -221,8 +222,9 @@ def parameters():
     told = {variable.name for variable in bodies}
     own = [*of_bodies.declared(SpaceScalars), *of_bodies.parameters(SpaceParameters)]
     space = [variable for variable in own if variable.name not in told]
+    of_pin = [output_variable(*row) for row in PIN_OUTPUTS]
     of_crank = [
-        *(v for v in of_bodies.declared(PinScalars) if v.name.startswith(tuple(CRANK_PARAMETERS))),
+        *(v for v in of_pin if v.name.startswith(tuple(CRANK_PARAMETERS))),
         *of_bodies.parameters(*CRANK_PARAMETERS.values()),
     ]
     crank = [variable for variable in of_crank if variable.name not in told]

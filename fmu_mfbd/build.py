@@ -4,6 +4,7 @@ The result is the content of the FMU's resources.
 """
 
 import hashlib
+from collections import defaultdict
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
@@ -219,22 +220,12 @@ def prepare(
     hot = hot_shapes(build, progress)
     piston = hot_piston(piston_about_pin(build.piston, bodies["piston"]), hot.get("piston"))
     block = load(ReducedBlock, bodies["block"])
-    piston_file = _carried("piston", piston)
-    block_file = _carried("block", block)
-    files = [piston_file, block_file]
-    pin = floating_pin(build)
-    if pin and len(piston.omega):
-        files.append(_carried("bosses", load(ReducedBosses, bodies["piston"])))
-        pin = replace(pin, bosses=files[-1].name)
-    if pin and "small_end" in bodies:
-        files.append(bodies["small_end"])
-        pin = replace(pin, small_end=files[-1].name)
+    files = bodies | {"piston": _carried("piston", piston), "block": _carried("block", block)}
+    if build.floating_pin and len(piston.omega):
+        files["bosses"] = _carried("bosses", load(ReducedBosses, bodies["piston"]))
+    names = defaultdict(str, {name: path.name for name, path in files.items()})
     ahead = options_ahead(build, tables, hot)
-    crank = []
-    for one in ahead.crank_bearings:
-        shell = bodies.get(one.name)
-        files += [shell] if shell else []
-        crank.append(replace(one, shell=shell.name) if shell else one)
+    pin = ahead.floating_pin
     if tables.start:
         try:
             modes = len(piston.omega) + len(block.omega)
@@ -243,15 +234,15 @@ def prepare(
             raise BadInput(str(error)) from None
     prepared = replace(
         ahead,
-        piston=replace(ahead.piston, file=piston_file.name, modes=len(piston.omega)),
-        block=replace(ahead.block, file=block_file.name, modes=len(block.omega)),
+        piston=replace(ahead.piston, file=names["piston"], modes=len(piston.omega)),
+        block=replace(ahead.block, file=names["block"], modes=len(block.omega)),
         skirt=_skirt(bodies["piston"]),
-        floating_pin=pin,
-        crank_bearings=tuple(crank),
+        floating_pin=pin and replace(pin, bosses=names["bosses"], small_end=names["small_end"]),
+        crank_bearings=tuple(replace(one, shell=names[one.name]) for one in ahead.crank_bearings),
         in_space=in_space(build, bodies["piston"]) if build.motion_in_space else None,
         symmetric_film=bool(claims(build)),
     )
-    return prepared.to_json(), files
+    return prepared.to_json(), [*files.values()]
 
 
 def piston_about_pin(options: Piston, path: Path) -> ReducedPiston:

@@ -7,7 +7,7 @@ shapes.
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -63,6 +63,7 @@ from .reduction.symmetry import is_mirrored
 from .reduction.ties import pin_layer, tie_of
 from .thrust_symmetry import claims
 
+Look = TypeVar("Look")
 HEIGHTS = 7
 """Places of the piston along its stroke at which the clearance is looked at."""
 CENTRE_FROM_PIN = "from the pin's axis to the centre of mass: compare, rocking depends on it"
@@ -123,7 +124,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     piston = piston._replace(body=hot_piston(piston.body, hot.get("piston")))
     cold, prepared = options_ahead(build, tables), options_ahead(build, tables, hot)
     axis = _axis(prepared, given, build)
-    eye = _eye(build, wrong, warnings)
+    eye = _tried(_eye, build, wrong, warnings)
     if None not in parameters.values():
         radii = {"small_end": eye.radius} if eye else {}
         rigid = ReducedBodies(piston.body, block.body)
@@ -159,12 +160,9 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
 
 
 def _tried(
-    look: Callable[[Build, list[str]], BodyPreview],
-    build: Build,
-    wrong: list[str],
-    warnings: list[str],
-) -> BodyPreview | None:
-    """Return a body, or None with its faults."""
+    look: Callable[[Build, list[str]], Look], build: Build, wrong: list[str], warnings: list[str]
+) -> Look | None:
+    """Return what a mesh or a file has, or None with its faults."""
     try:
         return look(build, warnings)
     except MeshFault as error:
@@ -174,28 +172,19 @@ def _tried(
     return None
 
 
-def _eye(build: Build, wrong: list[str], warnings: list[str]) -> Eye | None:
+def _eye(build: Build, warnings: list[str]) -> Eye | None:
     """Read the mesh of the rod's eye, if it is flexible."""
     film = eye_film(build)
     if not film:
         return None
     assert build.floating_pin and build.floating_pin.small_end
     options = build.floating_pin.small_end
-    try:
-        mesh = shell_mesh(options, film, SMALL_END, warnings.append)
-        radius = film_shell(mesh, film).radius
-    except MeshFault as error:
-        wrong += error.faults
-        return None
+    mesh = shell_mesh(options, film, SMALL_END, warnings.append)
+    radius = film_shell(mesh, film).radius
     mass = rigid_mass(mesh.points, mesh.tets, options.density)[0, 0]
     source = f"of {len(mesh.points)} nodes, from the shank's cut on"
-    return Eye(
-        radius,
-        [
-            Figure("small_end", "mass", mass, "kg", source),
-            Figure("modes", "small_end_modes", options.modes, "1", "pressure_modes"),
-        ],
-    )
+    modes = Figure("modes", "small_end_modes", options.modes, "1", "pressure_modes")
+    return Eye(radius, [Figure("small_end", "mass", mass, "kg", source), modes])
 
 
 def _piston(build: Build, warnings: list[str]) -> BodyPreview:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, replace
+from functools import partial
 from math import pi
 from typing import Annotated, Any, NamedTuple, get_type_hints
 
@@ -172,6 +173,24 @@ class OtherOutputs(NamedTuple):
     """Current gauge pressure on the crown."""
 
 
+class WorkOutputs(NamedTuple):
+    """Check of each film: unit."""
+
+    interface_work_error: Annotated[float, "1"]
+    """Relative difference between the power of the interface forces on the grid and in the
+    coordinates.
+    """
+
+
+class Evaluations(NamedTuple):
+    """Numbers of evaluations: unit."""
+
+    residual_evaluations: Annotated[int, "1"]
+    """Number of residual evaluations of the equations of motion so far (NRES)."""
+    jacobian_evaluations: Annotated[int, "1"]
+    """Number of Jacobian evaluations of the equations of motion so far (NJAC)."""
+
+
 class OilOutputs(NamedTuple):
     """Oil temperature of a film between walls with given temperatures: unit and nominal value."""
 
@@ -228,17 +247,17 @@ def signals(options: BuildOptions) -> list[Variable]:
     if pin:
         answers += of_modes(EyeOutputs, pin.small_end_modes)
     film = "main_bearing" in options.crank_surfaces()  # which has outputs of these names
-    answers += declared(output_variable, BlockForce, absent=("main_bearing",) * film)
+    answers += declared(BlockForce, absent=("main_bearing",) * film)
     if walls := options.temperatures:
         acting = warmed(acting, walls, options)
-        answers += [one for film in films for one in declared(output_variable, OilOutputs, *film)]
+        answers += [one for film in films for one in declared(OilOutputs, output_variable, *film)]
     if options.mounted:
-        acting += declared(_input, BlockInputs)
+        acting += declared(BlockInputs, _input)
     if outside := options.block.bore_from_outside:
-        acting += declared(_input, BoreInputs, shape=tuple(outside))
-        answers += declared(output_variable, BoreOutputs, shape=tuple(outside))
+        acting += declared(BoreInputs, _input, shape=tuple(outside))
+        answers += declared(BoreOutputs, shape=tuple(outside))
     if options.in_space:
-        answers += declared(output_variable, SpaceScalars)
+        answers += declared(SpaceScalars)
     starts = {f"{name}_temperature_rise": getattr(walls, name).rise for name in fixed_walls(walls)}
     return acting + answers + parameters(*own_parameters(options), starts=starts)
 
@@ -287,9 +306,9 @@ def warmed(
 def inputs(films: tuple[FilmGrid, ...], pins: tuple[FilmGrid, ...] = ()) -> list[Variable]:
     """Return the inputs of the bodies. `pins` are the films of a floating pin."""
     return [
-        *(one for film in films for one in declared(_input, SkirtInputs, *film)),
-        *(one for pin in pins for one in declared(_input, PinInputs, *pin)),
-        *declared(_input, OtherInputs),
+        *(one for film in films for one in declared(SkirtInputs, _input, *film)),
+        *(one for pin in pins for one in declared(PinInputs, _input, *pin)),
+        *declared(OtherInputs, _input),
     ]
 
 
@@ -298,43 +317,28 @@ def outputs(
 ) -> list[Variable]:
     """Return the outputs of the bodies. `pins` are the films of a floating pin."""
     return [
-        *(one for film in films for one in declared(output_variable, SkirtOutputs, *film)),
-        *(one for pin in pins for one in declared(output_variable, PinOutputs, *pin)),
-        *declared(output_variable, Scalars),
-        *declared(output_variable, OtherOutputs),
+        *(one for film in films for one in declared(SkirtOutputs, output_variable, *film)),
+        *(one for pin in pins for one in declared(PinOutputs, output_variable, *pin)),
+        *declared(Scalars),
+        *declared(OtherOutputs),
         *(
-            output_variable(
-                f"{film.prefix}interface_work_error",
-                "1",
-                "Relative difference between the power of the interface forces on the grid "
-                "and in the coordinates",
-            )
+            one
             for film in (*films, *pins)
+            for one in declared(WorkOutputs, output_variable, film.prefix)
         ),
-        output_variable(
-            "residual_evaluations",
-            "1",
-            "Number of residual evaluations of the equations of motion so far (NRES)",
-            start=0,
-        ),
-        output_variable(
-            "jacobian_evaluations",
-            "1",
-            "Number of Jacobian evaluations of the equations of motion so far (NJAC)",
-            start=0,
-        ),
+        *declared(Evaluations, partial(output_variable, start=0)),
         *of_modes(ModalOutputs, modes),
     ]
 
 
 def of_modes(kind: type, modes: int) -> list[Variable]:
     """Return the modal outputs of a body; one without modes has none."""
-    return declared(output_variable, kind, shape=(modes,)) if modes else []
+    return declared(kind, shape=(modes,)) if modes else []
 
 
 def declared(
-    make: Callable[..., Variable],
     kind: type,
+    make: Callable[..., Variable] = output_variable,
     prefix: str = "",
     shape: tuple[int, ...] = (),
     absent: tuple[str, ...] = (),
@@ -343,10 +347,10 @@ def declared(
 
     Parameters
     ----------
-    make : callable
-        Takes name, unit, text, numbers of the annotation, and `shape`.
     kind : type
         Each member has its unit and numbers in the annotation, and its description below.
+    make : callable
+        Takes name, unit, text, numbers of the annotation, and `shape`. Default: outputs.
     prefix : str
         Beginning of all names.
     shape : tuple of int

@@ -57,7 +57,7 @@ def prepare(
             for sentence in replaced(mesh.sets, dict(zip(NEEDED, material))):
                 say(f"{build.mesh}: {sentence}")
             body = free_block(mesh, material, build.head_mass, build.crank_mass)
-            return reduce_monoblock(body, plan, say)
+            return (reduce_monoblock(body, plan, say),)
 
         path = kept("monoblock", contents(build), made, cache_folder("bodies"))
     resolved = {

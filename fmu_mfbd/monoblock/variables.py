@@ -84,10 +84,10 @@ def variables(cylinders: int, mounts: int, grid: tuple[int, int]) -> list[Variab
         for axis in AXES
     ]
     return [
-        *(one for film in films for one in declared(input_variable, Cylinder, *film)),
+        *(one for film in films for one in declared(Cylinder, input_variable, *film)),
         *(parameter(*spring, 0.0, 0.0, 1e20) for spring in springs),
         *declared_parameters([Parameters]),
-        *(one for film in films for one in declared(output_variable, CylinderMotion, *film)),
+        *(one for film in films for one in declared(CylinderMotion, output_variable, *film)),
         *vectors(),
         *(output_variable(*row) for row in SCALARS),
         constant("cylinders", cylinders, "Number of cylinders"),

@@ -80,7 +80,7 @@ def kept_hot_shape(
     """
     name = f"hot_{_name(options)}"
     decided = contents(options, OF_MODES) | {"grid": list(grid)}
-    return load(HotShape, kept(name, decided, lambda: hot_shape(options, grid, say), folder))
+    return load(HotShape, kept(name, decided, lambda: (hot_shape(options, grid, say),), folder))
 
 
 def hot_shape(

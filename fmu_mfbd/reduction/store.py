@@ -84,13 +84,15 @@ def kept_body(
     """
     name = "piston" if isinstance(options, Piston) else "block"
     decided = _decided(options, grid, training, bosses)
-    path = _path(name, decided, folder, not shapes)
-    if not path.exists():
+    used: list[Any] = []
+
+    def made() -> tuple[Any, ...]:
         from ..finite_elements.solver import CachedFactorise
         from .reduce import reduce_block, reduce_piston
 
         begin = time.perf_counter()
         factors = CachedFactorise(Path(folder) / "unfinished", progress)
+        used.append(factors)
         reduced = (
             reduce_piston(options, grid, progress, factors, training, bosses)
             if isinstance(options, Piston)
@@ -100,7 +102,10 @@ def kept_body(
         peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
         properties = replace(reduced.properties, seconds=seconds, peak_memory=peak_memory)
         body, anatomy, _, *rest = reduced
-        save(path, body, anatomy, properties, *(part for part in rest if part))
+        return body, anatomy, properties, *(part for part in rest if part)
+
+    path = kept(name, decided, made, folder, not shapes)
+    for factors in used:
         factors.forget()
     return path
 
@@ -149,14 +154,24 @@ def _digest(path: Path, above: tuple[Path, ...] = ()) -> str:
     return digest.hexdigest()
 
 
-def kept(name: str, options: dict, make: Callable[[], Any], folder: Path) -> Path:
-    """Return the path of the .npz of what `make` returns: shipped, cached in `folder`, or made now.
+def kept(
+    name: str,
+    options: dict[str, Any],
+    make: Callable[[], tuple[Any, ...]],
+    folder: Path | str,
+    shipped: bool = True,
+) -> Path:
+    """Return the path of the .npz of the parts that `make` returns.
 
-    The options (`contents`) determine it; in `folder` the code does too.
+    The file is shipped, if this is allowed, cached in `folder`, or made now. The options
+    (`contents`) determine it; in `folder` the code does too.
     """
-    path = _path(name, options, folder)
+    key = hashlib.sha256(json.dumps(options, sort_keys=True).encode()).hexdigest()[:24]
+    path = SHIPPED / f"{name}-{key}.npz"
+    if not (shipped and path.exists()):
+        path = Path(folder) / f"{name}-{key}-{code_digest()[:24]}.npz"
     if not path.exists():
-        save(path, make())
+        save(path, *make())
     return path
 
 
@@ -176,22 +191,13 @@ def kept_shell(
         If the mesh or the number of modes is wrong.
     """
 
-    def made() -> ReducedShell:
+    def made() -> tuple[ReducedShell]:
         from ..finite_elements.matrices import assembled
         from .shell import reduce_shell, shell_mesh
 
         mesh = shell_mesh(options, film, kind, progress)
         body = assembled(mesh, options.young, options.poisson, density)
-        return reduce_shell(body, film, progress, kind=kind)
+        return (reduce_shell(body, film, progress, kind=kind),)
 
     decided = contents(options) | {"density": density, "film": list(film), "kind": list(kind)}
     return kept(kind.title.replace(" ", "_"), decided, made, folder)
-
-
-def _path(name: str, decided: dict[str, Any], folder: Path | str, shipped: bool = True) -> Path:
-    """Return the shipped file of a body, if it exists and is allowed, else that in `folder`."""
-    key = hashlib.sha256(json.dumps(decided, sort_keys=True).encode()).hexdigest()[:24]
-    path = SHIPPED / f"{name}-{key}.npz"
-    if shipped and path.exists():
-        return path
-    return Path(folder) / f"{name}-{key}-{code_digest()[:24]}.npz"

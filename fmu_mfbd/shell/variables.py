@@ -18,7 +18,7 @@ SCALARS = (
 
 def variables(grid: tuple[int, int]) -> list[Variable]:
     """Return the variables of a shell under a film on a grid of cells around and along it."""
-    forces = declared(input_variable, PinInputs, shape=grid)
+    forces = declared(PinInputs, input_variable, shape=grid)
     return [
         *(one for one in forces if one.name in PIN_FORCES),
         output_variable(DEFLECTION, "m", "Outward deflection of the bore", 1e-5, grid),
