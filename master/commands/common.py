@@ -274,7 +274,8 @@ def print_compared(runs):
     table = Table("", *found.names, "difference", box=None, pad_edge=False)
     for row in found.rows:
         table.add_row(row.label, row.first.figure, row.second.figure, row.text)
-    wide_console().print(table, highlight=False)
+    if found.rows:
+        wide_console().print(table, highlight=False)
     for remark in found.remarks:
         say(remark)
 

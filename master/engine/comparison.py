@@ -215,6 +215,8 @@ def changes(names: Sequence[str], rows: list[Difference]) -> str:
         own = [f"the {row.label} by {row.text.lstrip('+-')}" for row in known]
         said += [f"{verb} {listed(own)}."] if own else []
     begin = first if "." in first else f"{first[0].upper()}{first[1:]}"  # a file keeps its letters
+    if not rows:
+        return f"{begin} and {second} have no main result in common."
     said = said or ["makes no clear difference."]
     return f"{begin} instead of {second} {' It '.join(said)}"
 

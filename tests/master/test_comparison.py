@@ -145,6 +145,12 @@ def test_the_headline_has_a_sentence_for_each_direction_and_no_figure_twice():
     assert len(found.rows) == 3
 
 
+def test_runs_without_a_common_figure_say_so():
+    found = compared(("a", "b"), (tree("a.csv"), tree("b.csv")), (Measures(), Measures()))
+    assert found.headline == "a.csv and b.csv have no main result in common."
+    assert not found.rows and not found.remarks
+
+
 def test_several_films_are_named():
     two = [
         replace(film(value, 0.1), owner=owner) for value, owner in ((3.0, "big"), (2.0, "small"))
