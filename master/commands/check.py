@@ -92,7 +92,7 @@ def _value_text(figure: Figure) -> str:
     if figure.unit == "K":
         return f"{figure.value - 273.15:.4g} degC"
     if "share" in figure.name:
-        return f"{figure.value:.1%}"
+        return f"{100 * figure.value:.4g} %"
     if figure.unit == "1":
         return f"{figure.value:g}"
     return short(figure.value, figure.unit)

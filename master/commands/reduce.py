@@ -74,7 +74,7 @@ def print_body(body):
             str(row.number),
             f"{row.frequency:.1f}",
             f"{1e3 * row.modal_mass:.3g}",
-            f"{row.film_share:.2%}",
+            f"{100 * row.film_share:.2f} %",
             row.kind_in_words,
         )
     if body.modes:

@@ -410,7 +410,7 @@ def _stribeck(runs, body, film) -> list[Drawn]:
         number = scale * np.abs(speed[carries]) / load[carries]
         return 1e6 * number, np.abs(hydrodynamic + contact)[carries] / load[carries]
 
-    title = f"Friction coefficient, steps with more than {LEAST_LOAD:.0%} of the largest load"
+    title = f"Friction coefficient, steps with more than {100 * LEAST_LOAD:g} % of the largest load"
     x = "viscosity x speed x skirt length / load [1e-6]"
     return _points(runs, coefficients, title, x, "[-]", logarithmic=True)
 
