@@ -63,7 +63,7 @@ class Difference(NamedTuple):
 
     @property
     def is_zero(self) -> bool:
-        """Whether the figure is zero in both runs."""
+        """True if the figure is zero in both runs."""
         return not self.first.value and not self.second.value
 
 

@@ -5,7 +5,6 @@ Every value refers to the last period of the run. A measure is omitted if the ru
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -58,11 +57,8 @@ LEAST_SHARE = 5e-5
 """Uncertainty of a share below which the share is displayed alone: half of its last digit."""
 NO_IMPACT, NO_CONTACT = "no impact", "no contact"
 """Texts of the slap energy of a piston without impacts, and of contact that does not occur."""
-POWER: dict[str, Any] = {
-    "key": "mean_friction_power_w",
-    "label": "mean friction power",
-    "unit": "W",
-}
+POWER = "mean_friction_power_w", "mean friction power"
+"""Key and label of the friction of a film, and of all films."""
 
 
 @dataclass(frozen=True)
@@ -234,12 +230,14 @@ class _Run:
         port = f"{owner}.{output}"
         return self.results.series(port).values if port in self.results.ports else None
 
-    def figure(self, owner: str, output: str, reduce: Reduction, **words: Any) -> Measure:
+    def figure(
+        self, owner: str, output: str, key: str, label: str, unit: str, reduce: Reduction, **words
+    ) -> Measure:
         """Return the figure that a reduction makes of a scalar output; `words` : of `Measure`."""
         port = f"{owner}.{output}"
         course = Course(self.results.whole.series(port).values, reduce)
         value = float(reduce(self.results.time, self.results.series(port).values))
-        return Measure(value=value, owner=owner, course=course, **words)
+        return Measure(key, label, value, unit, owner, course=course, **words)
 
     def at(self, row: int) -> str:
         """Return a row as a crank angle, or as a time if the run has no crank angle."""
@@ -261,14 +259,14 @@ def _of_film(run: _Run, film: str) -> Iterator[Measure]:
         values = run.values(film, output)
         if values is not None:
             row, place = int(row_of(values)), position(run.case, run.results, film)
-            words: dict[str, Any] = {"label": output.replace("_", " "), "unit": unit}
-            words |= {"key": f"{output}_{unit.lower()}", "row": row, "place": place}
+            key, label = f"{output}_{unit.lower()}", output.replace("_", " ")
             note = ", ".join(filter(None, [run.at(row), place and place.brief]))
-            yield run.figure(film, output, reduce, note=note, **words)
+            words = {"row": row, "place": place, "note": note}
+            yield run.figure(film, output, key, label, unit, reduce, **words)
     yield from _peaks(run, film)
     power = run.values(film, "friction_power")
     if power is not None and len(power) > 1:
-        yield run.figure(film, "friction_power", mean_over, **POWER)
+        yield run.figure(film, "friction_power", *POWER, "W", mean_over)
     share, area = contact_share(run.results, film), run.values(film, "contact_area_fraction")
     if share is not None:
         dry = area is not None and not area.max() > 0.0
@@ -324,7 +322,7 @@ def _of_friction(run: _Run) -> Iterator[Measure]:
     if power is None or whole is None or len(power) < 2:
         return
     mean = mean_over(run.results.time, power)
-    yield Measure(value=mean, before="mean", course=Course(whole, mean_over), **POWER)
+    yield Measure(*POWER, mean, "W", before="mean", course=Course(whole, mean_over))
     pressure, crank = friction_pressure(run.results), crank_angle(run.results)
     if pressure is not None and crank is not None:
         begin, *_, end = np.degrees(crank.angle)
@@ -350,18 +348,18 @@ def _of_body(run: _Run, body: str, film: str) -> Iterator[Measure]:
             continue
         row = int(np.abs(force).argmax())
         note = f"on the {'thrust' if force[row] >= 0.0 else 'anti-thrust'} side {run.at(row)}"
-        words: dict[str, Any] = {"key": f"{output}_n", "label": f"maximum {what}", "unit": "N"}
-        words["scale"] = None if demand is None else abs(largest(force) - largest(demand))
+        scale = None if demand is None else abs(largest(force) - largest(demand))
+        words = {"row": row, "before": before, "note": note, "scale": scale}
         reduce = of_extreme(largest)
-        yield run.figure(body, output, reduce, row=row, before=before, note=note, **words)
+        yield run.figure(body, output, f"{output}_n", f"maximum {what}", "N", reduce, **words)
     found = impacts(run.results, body)
     if found is not None:
         worst = max(found, key=lambda impact: impact.loss, default=None)
-        words = (
-            {"note": _slap(run, worst, film), "row": worst.row} if worst else {"shown": NO_IMPACT}
-        )
-        words |= {"key": "slap_energy_j", "label": "energy lost in the hardest impact", "unit": "J"}
-        yield run.figure(body, "piston_kinetic_energy", hardest, **words)
+        words = {"shown": NO_IMPACT}
+        if worst:
+            words = {"note": _slap(run, worst, film), "row": worst.row}
+        own = "slap_energy_j", "energy lost in the hardest impact", "J"
+        yield run.figure(body, "piston_kinetic_energy", *own, hardest, **words)
     for output, unit in (("lateral_displacement", "m"), ("rocking_angle", "rad")):
         values = run.values(body, output)
         if values is None:
@@ -373,8 +371,8 @@ def _of_body(run: _Run, body: str, film: str) -> Iterator[Measure]:
             ("largest", int(np.abs(values).argmax()), largest),
         ):
             label = f"{word} {'of ' if row is None else ''}{output.replace('_', ' ')}"
-            words = {"key": f"{word}_{output}_{unit}", "label": label, "unit": unit, "row": row}
-            yield run.figure(body, output, of_extreme(reduce), **words)
+            key, way = f"{word}_{output}_{unit}", of_extreme(reduce)
+            yield run.figure(body, output, key, label, unit, way, row=row)
 
 
 def _slap(run, impact, film):

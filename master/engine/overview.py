@@ -18,13 +18,10 @@ from .uncertainty import DIVERGES, display_unit
 
 MOST_PERCENT = 10.0
 """Relative difference above which the ratio is displayed instead."""
-MOTION = (
-    "side_force_n",
-    "slap_energy_j",
-    "range_lateral_displacement_m",
-    "range_rocking_angle_rad",
-)
+MOTION = ["side_force_n", "slap_energy_j"]
+MOTION += ["range_lateral_displacement_m", "range_rocking_angle_rad"]
 """Keys of the measures of bodies that the page compares."""
+SURFACES = {"piston": "skirt", "block": "bore"}
 
 
 @dataclass(frozen=True)
@@ -198,14 +195,10 @@ def conditions(results: Results, films: list[str]) -> list[str]:
         found.append(f"oil {1e3 * to_si(given['viscosity'], 'Pa.s'):.3g} mPa s")
     if "grid" in film.get("build", {}):
         found.append("{} × {} cells".format(*film["build"]["grid"]))
-    modes = [build[name].get("modes") for name in ("piston", "block") if name in build]
-    if any(modes):
-        found.append(f"{' + '.join(str(count or 0) for count in modes)} modes")
-    hot = [
-        surface
-        for name, surface in (("piston", "skirt"), ("block", "bore"))
-        if {"hot_shape", "temperature_field"} & {*build.get(name, {})}
-    ]
+    parts = [(build[name], word) for name, word in SURFACES.items() if name in build]
+    if any(part.get("modes") for part, _ in parts):
+        found.append(f"{' + '.join(str(part.get('modes') or 0) for part, _ in parts)} modes")
+    hot = [word for part, word in parts if {"hot_shape", "temperature_field"} & {*part}]
     if hot:
         found.append(f"hot shape of {' and '.join(hot)}")
     summary = results.summary or {}
