@@ -6,7 +6,7 @@ import re
 import shutil
 import tempfile
 import zlib
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -260,44 +260,33 @@ def _by_meshio(path: Path) -> Deck:
     except (Exception, SystemExit) as error:  # its readers raise whatever comes, or exit
         reason = "" if isinstance(error, SystemExit) else f" (meshio: {error})"
         raise MeshFault(f"{UNREADABLE}{reason}; {FORMATS}") from None
-    kinds = Counter()
-    for cells in raw.cells:
-        kinds[cells.type] += len(cells.data)
-    tets = [row for cells in raw.cells if cells.type in TETRAHEDRA for row in cells.data.tolist()]
-    for kind in TETRAHEDRA:
-        del kinds[kind]
+    tets: list[list[int]] = []
+    faces: dict[str, list[np.ndarray]] = defaultdict(list)
+    parts: dict[str, list[np.ndarray]] = defaultdict(list)
+    other: Counter[str] = Counter()
+    for k, cells in enumerate(raw.cells):
+        sets = {name: rows[k] for name, rows in raw.cell_sets.items()}
+        members = {name: rows for name, rows in sets.items() if rows is not None and len(rows)}
+        if cells.type in TETRAHEDRA:
+            for name, rows in members.items():
+                parts[name].append(len(tets) + np.asarray(rows, dtype=int))
+            tets += cells.data.tolist()
+            continue
+        other[cells.type] += len(cells.data)
+        for name, rows in members.items() if cells.type in TRIANGLES else ():
+            faces[name].append(cells.data[rows][:, :3])
     return Deck(
-        np.asarray(raw.points, dtype=float),
-        tetrahedra(tets),
-        {name: np.asarray(rows, dtype=int) for name, rows in raw.point_sets.items()},
-        {name: _faces_by_meshio(raw, name) for name in sorted(raw.cell_sets)},
-        np.arange(1, len(raw.points) + 1),
-        kinds,
-        {name: rows for name in sorted(raw.cell_sets) if len((rows := _solids(raw, name)).tets)},
+        points=np.asarray(raw.points, dtype=float),
+        tets=tetrahedra(tets),
+        node_sets={name: np.asarray(rows, dtype=int) for name, rows in raw.point_sets.items()},
+        faces={name: np.concatenate(rows) for name, rows in faces.items()},
+        labels=np.arange(1, len(raw.points) + 1),
+        other=other,
+        parts={name: Selection(np.concatenate(rows)) for name, rows in parts.items()},
     )
 
 
-TETRAHEDRA = ("tetra", "tetra10")
-
-
-def _solids(raw, name):
-    """Return the rows of the tetrahedra of a named group."""
-    rows, first = [np.empty(0, dtype=int)], 0
-    for cells, own in zip(raw.cells, raw.cell_sets[name]):
-        if cells.type in TETRAHEDRA:
-            rows.append(first + np.asarray(() if own is None else own, dtype=int))
-            first += len(cells.data)
-    return Selection(np.concatenate(rows))
-
-
-def _faces_by_meshio(raw, name):
-    """Return the corners of the triangles of a named group, (t, 3)."""
-    faces = [
-        cells.data[rows][:, :3]
-        for cells, rows in zip(raw.cells, raw.cell_sets[name])
-        if rows is not None and cells.type in ("triangle", "triangle6")
-    ]
-    return np.concatenate(faces) if faces else np.empty((0, 3), dtype=int)
+TETRAHEDRA, TRIANGLES = ("tetra", "tetra10"), ("triangle", "triangle6")
 
 
 def _marked(raw, number, points, outer, name, region):

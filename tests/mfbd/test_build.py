@@ -45,6 +45,19 @@ def test_all_faults_of_the_table_at_once(coarse):
     assert len(caught.value.faults) == 5
 
 
+def test_all_contradictions_of_a_table_at_once(tmp_path):
+    sheet = {"mass": "1 kg", "centre": ["0 mm", "9 mm"], "inertia": "3 g m^2", "radius": "40 mm"}
+    piston = {"rigid": sheet, "skirt_lower": "-20 mm", "modes": 3, "train_on": "film.h5"}
+    block = {"rigid": {"radius": "40 mm"}, "bore_lower": "60 mm", "bore_upper": "200 mm"}
+    with pytest.raises(BadInput) as caught:
+        prepare({"piston": piston, "block": block}, tmp_path, print)
+    assert caught.value.faults == [
+        "piston.skirt_upper: expected a value for a rigid body, got nothing",
+        "piston.modes: expected 0 for a rigid body, got 3",
+        "piston.train_on: expected it with basis = 'trained' only, got one of both",
+    ]
+
+
 def test_reduction_is_cached_by_content(coarse, tmp_path, monkeypatch):
     folder, options = coarse
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
