@@ -83,7 +83,7 @@ class Measure:
     note: str = ""
     shown: str = ""
     scale: float | None = None
-    course: Course | None = None
+    course: Course | None = field(default=None, repr=False)
     uncertainty: Uncertainty = UNKNOWN
 
     @property

@@ -1,7 +1,6 @@
 """Every number in the result tables of case pages, from runs of the cases.
 
-The main job and the journal bearing have tests of their own. The tables of `whole_engine` are not
-here, nor those of temperatures and ties of `fired_motorcycle`.
+The main job and the journal bearing have tests of their own.
 """
 
 from typing import NamedTuple
@@ -15,7 +14,16 @@ from ..shown import ROOT, check, table, written
 
 TEMPLATE = f"{ROOT}/models/lubrication_template/axial_film.py:AxialFilm"
 
-UNITS = {"um": 1e-6, "MPa": 1e6, "kPa": 1e3, "kN": 1e3, "mJ": 1e-3, "cm3/s": 1e-6, "%": 0.01}
+UNITS = {
+    "um": 1e-6,
+    "mm": 1e-3,
+    "MPa": 1e6,
+    "kPa": 1e3,
+    "kN": 1e3,
+    "mJ": 1e-3,
+    "cm3/s": 1e-6,
+    "%": 0.01,
+}
 UNITS |= {"deg": np.pi / 180.0, "roughness of data_sheet": 0.54e-6}
 """Unit of a page -> SI; others are SI."""
 
@@ -220,7 +228,90 @@ MOTORCYCLE = {
     ],
     "iterations per step": [Shown("summary", "mean_iterations")],
 }
+SLAP = [Shown("measure", "slap_energy_j_bodies", "mJ")]
+
+
+def slapping(film, bodies="bodies", last=False):
+    """Return the quantities of tables that compare slaps; the largest tilt is an absolute value."""
+    return {
+        "minimum film thickness": [Shown("min", f"{film}.minimum_film_thickness", "um", last)],
+        "highest pressure": [Shown("max", f"{film}.maximum_pressure", "MPa", last)],
+        "lateral displacement": [
+            Shown(kind, f"{bodies}.lateral_displacement", "um", last) for kind in ("min", "max")
+        ],
+        "largest tilt": [Shown("abs", f"{bodies}.rocking_angle", "deg", last)],
+        "slap": SLAP,
+    }
+
+
+WALLS = slapping("ehd", last=True) | {
+    "friction mean effective pressure": MOTORCYCLE["friction mean effective pressure"]
+}
+TWO_CYCLES = {"native": True, "time.stop": "1440 deg", "record.periods": 1}
+EDGES = {"participants.ehd.parameters.oil_supply": "edges"}
+TEMPERATURES = "even", "hot_oil", "hot_shape", "hot"
+TIE = "participants.bodies.build.piston.tie"
+ONE_CYCLE = {"time.stop": "720 deg"}
+TIES = {
+    f"`{tie}`{note}": ("fired_motorcycle", "flooded", ONE_CYCLE | {TIE: tie}, "ehd")
+    for tie, note in (("rbe2", ""), ("rbe3", ""), ("sliding", " (default)"))
+}
+TIES["pin on films"] = ("yielding_bosses", "fired_skirt", {}, "skirt_film")
+ENGINE = f"{ROOT}/models/whole_engine"
+WHOLE = {
+    "skirt": "skirt_film",
+    "both bosses": "left_film",
+    "small end": "small_end_film",
+    "big end": "big_end_film",
+    "main bearing": "main_film",
+}
+HALF_TURN = {
+    "time.stop": "180 deg",
+    "participants.bodies.parameters.start_crank_angle": "-60 deg",
+}
+
+
+def parts(pin=True, crank=True):
+    """Return the quantities of the table of effects for an engine with or without some films."""
+    skirt, bosses, end, big, main = WHOLE.values()
+    film = [Shown("min", f"{one}.minimum_film_thickness", "um") for one in WHOLE.values()]
+    peak = [Shown("max", f"{one}.maximum_pressure", "MPa") for one in WHOLE.values()]
+    on_pin = [
+        Shown("sum", " ".join(f"{one}.friction_power" for one in (bosses, "right_film", end)))
+    ]
+    on_crank = [Shown("sum", " ".join(f"{one}.friction_power" for one in (big, main)))]
+    slaps = slapping(skirt)
+    return {
+        "minimum film thickness of the skirt": film[:1],
+        "highest pressure of the skirt": peak[:1],
+        "lateral displacement": slaps["lateral displacement"],
+        "largest tilt": slaps["largest tilt"],
+        "largest loss in a slap": SLAP,
+        "largest side force": SIDE_FORCE,
+        "minimum film thickness: boss, small end": film[1:3] if pin else [],
+        "highest pressure: boss, small end": peak[1:3] if pin else [],
+        "minimum film thickness: big end, main bearing": film[3:] if crank else [],
+        "highest pressure: big end, main bearing": peak[3:] if crank else [],
+        "mean friction power: skirt, pin, crank": [
+            Shown("mean", f"{skirt}.friction_power"),
+            *(on_pin if pin else []),
+            *(on_crank if crank else []),
+        ],
+    }
+
+
 PAGES = {
+    "whole_engine": [
+        (
+            "quantity 1",
+            [
+                ("whole_engine", "whole", parts(), HALF_TURN),
+                ("whole_engine", "rigid_block", parts(), HALF_TURN),
+                (f"{ENGINE}/without_crank_films.toml", None, parts(crank=False), HALF_TURN),
+                (f"{ENGINE}/tied.toml", None, parts(pin=False), HALF_TURN),
+            ],
+        ),
+    ],
     "data_sheet": [
         ("quantity", [("data_sheet", "rigid", SHEET), ("data_sheet", "rigid", COMPARED)]),
     ],
@@ -246,6 +337,8 @@ PAGES = {
             "quantity",
             [("fired_motorcycle", x, MOTORCYCLE) for x in ("flexible", "flooded", "rigid")],
         ),
+        ("scarce oil", [("fired_motorcycle", x, WALLS, TWO_CYCLES) for x in TEMPERATURES]),
+        ("flooded", [("fired_motorcycle", x, WALLS, TWO_CYCLES | EDGES) for x in TEMPERATURES]),
     ],
     "ring_pack": [
         ("quantity", [("ring_pack", "rings", RINGS), ("ring_pack", "without", RINGS)]),
@@ -280,9 +373,10 @@ PAGES = {
         ),
     ],
 }
-"""Page -> its tables: first cell of the head, and case, variant and quantities of each column.
+"""Page -> its tables: first cell of the head, and each column.
 
-The second table with the same first cell has a 1 after it.
+A column has case, variant, quantities and perhaps changes of the case. The second table with the
+same first cell has a 1 after it.
 """
 
 ITERATIONS = [Shown("summary", "mean_iterations"), Shown("summary", "max_iterations")]
@@ -305,16 +399,17 @@ TEXTS = {
 
 @pytest.fixture
 def runs(tmp_path):
-    """Return the runs of cases by case and label, each once."""
+    """Return the runs of cases by case, label and changes, each once."""
     done = {}
 
-    def run(case, label):
-        if (case, label) not in done:
+    def run(case, label, changes=None):
+        key = case, label, str(changes)
+        if key not in done:
             template = label == "template"
-            opened = pc.open_case(case, variant=None if template else label)
+            opened = pc.open_case(case, changes or {}, None if template else label)
             own = TEMPLATE if template else None
-            done[case, label] = opened.run(tmp_path / f"{case}-{label}.h5", lubrication=own)
-        return done[case, label]
+            done[key] = opened.run(tmp_path / f"{len(done)}.h5", lubrication=own)
+        return done[key]
 
     yield run
     for results in done.values():
@@ -338,9 +433,9 @@ def test_a_page_shows_the_numbers_of_its_runs(page, runs):
         first, number = head.removesuffix(" 1"), int(head.endswith(" 1"))
         rows = table(f"models/{page}/README.md", first, number)
         computed = {row: [] for row in rows}
-        for case, label, quantities in columns:
+        for case, label, quantities, *changes in columns:
             assert set(quantities) <= set(rows)
-            results = runs(case, label)
+            results = runs(case, label, *changes)
             for row in rows:
                 computed[row].append([one.value(results) for one in quantities.get(row, [])])
         check(rows, computed)
@@ -348,3 +443,48 @@ def test_a_page_shows_the_numbers_of_its_runs(page, runs):
     for pattern, case, label, quantities in TEXTS.get(page, []):
         values = [one.value(runs(case, label)) for one in quantities]
         check({pattern: [[*written(pattern, text)]]}, {pattern: [values]})
+
+
+@pytest.mark.slow
+def test_the_tie_of_the_pin_has_the_effect_of_the_page(runs):
+    rows, computed = table("models/fired_motorcycle/README.md", "tie"), {}
+    for tie, (case, label, changes, film) in TIES.items():
+        results = runs(case, label, changes)
+        cells = [[one.value(results) for one in own] for own in slapping(film).values()]
+        computed[tie] = cells
+        rows[tie] = rows[tie][1:]  # the bench prints the compliance
+    check(rows, computed)
+
+
+@pytest.mark.slow
+def test_the_whole_engine_has_the_numbers_of_its_page(runs):
+    results, page = runs("whole_engine", "whole"), "models/whole_engine/README.md"
+    angle = np.degrees(results.whole.series("bodies.crank_angle").values)
+    side = np.abs(results.whole.series("bodies.side_force").values)
+    slap = pc.measures(results)["slap_energy_j_bodies"]
+    values = {
+        "lateral displacement of the pin point": [one.value(results) for one in SIDEWAYS],
+        "tilt": [one.value(results) for one in TILT],
+        "largest side force": [side.max() / 1e3, angle[side.argmax()]],
+        "largest loss in a slap": [slap.value / 1e-3, angle[slap.row]],
+        "friction mean effective pressure of all films": [
+            Shown("measure", "friction_mean_effective_pressure_pa", "kPa").value(results)
+        ],
+        "vertical displacement of the block at the crank axis": [
+            Shown(kind, "block.displacement_y", "mm").value(results) for kind in ("min", "max")
+        ],
+        "vertical force on the mounts": [
+            Shown(kind, "block.mount_force_y").value(results) for kind in ("min", "max")
+        ],
+    }
+    check(table(page, "quantity"), {label: [one] for label, one in values.items()})
+    computed = {}
+    for label, film in WHOLE.items():
+        thickness = results.whole.series(f"{film}.minimum_film_thickness").values
+        pressure = results.whole.series(f"{film}.maximum_pressure").values
+        powers = f"{film} right_film" if label == "both bosses" else film
+        power = Shown("sum", " ".join(f"{one}.friction_power" for one in powers.split()))
+        ends = ((thickness, thickness.argmin(), 1e-6), (pressure, pressure.argmax(), 1e6))
+        extremes = [[values[k] / unit, angle[k]] for values, k, unit in ends]
+        computed[label] = [*extremes, [power.value(results)]]
+    check(table(page, "film"), computed)
