@@ -32,7 +32,7 @@ from .element_laws import cylinder_laws
 from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, bore_wall
 from .half_films import half_films, is_halved
-from .modal_damping import modal_springs
+from .modal_damping import ModalSprings, modal_springs
 from .model import PistonInBore
 from .motion_in_space import SpaceBodies, SpaceBody, Stop
 from .parameters import Parameters, Settings, SpaceParameters, settings_of
@@ -170,18 +170,7 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
         skirt_field=fields[0],
         bore_field=fields[1],
         bore_rule=contiguous(knot_rule(len(block.heights))) if fields[1] else np.zeros((0, 0)),
-        piston=FlexibleBody(
-            mass=piston.mass,
-            S=piston.S,
-            I0=piston.I0,
-            T=contiguous(piston.T),
-            b=contiguous(piston.b),
-            B=contiguous(piston.B),
-            g=contiguous(piston.g),
-            G=contiguous(piston.G),
-            stiffness=piston.omega,
-            damping=piston.omega,
-        ),
+        piston=_moving(piston, ModalSprings(piston.omega, piston.omega), len(piston.omega)),
         gas_force=contiguous(piston.gas_force),
         wall=bore_wall(block.heights, block.radial, block.radius, needs.top_ring_height, 0.0),
         piston_omega=piston.omega,
