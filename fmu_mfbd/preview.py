@@ -55,7 +55,8 @@ from .preview_temperatures import (
 )
 from .reducing import hot_shapes
 from .reduction.bosses import boss_readings
-from .reduction.reduce import faults_of_modes, placed_block, placed_piston, read_body
+from .reduction.reading import read_body
+from .reduction.reduce import faults_of_modes, placed_block, placed_piston
 from .reduction.reduced_body import SMALL_END, MeshProperties, ReducedBlock, load
 from .reduction.rigid import rigid_block, rigid_piston
 from .reduction.shell import film_shell, shell_mesh

@@ -18,7 +18,7 @@ from ..dynamics.monoblock import (
 from ..dynamics.parameters import taken
 from ..reduction.reduced_body import ReducedMonoblock, load
 from . import variables as table
-from .variables import AXES, Parameters, ports
+from .variables import AXES, BlockParameters, ports
 
 
 class Monoblock(FieldSlave):
@@ -49,7 +49,7 @@ class Monoblock(FieldSlave):
         body = load(ReducedMonoblock, self.resources / self.options["file"])
         mounts = range(1, self.options["mounts"] + 1)
         springs = [[values[f"mount_{k}_stiffness_{axis}"] for axis in AXES] for k in mounts]
-        settings = vars(taken(Parameters, values))
+        settings = vars(taken(BlockParameters, values))
         self.model = MountedMonoblock(body, Mounting(np.array(springs), **settings))
         if self.model.loose():
             raise BadInput(

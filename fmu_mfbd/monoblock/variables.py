@@ -12,7 +12,7 @@ AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
-class Parameters:
+class BlockParameters:
     """Parameters of the block besides the stiffness of its mounts, in SI."""
 
     damping_time: float = _declared("s", 0.0, 0.0, 1.0)
@@ -86,7 +86,7 @@ def variables(cylinders: int, mounts: int, grid: tuple[int, int]) -> list[Variab
     return [
         *(one for film in films for one in declared(Cylinder, input_variable, *film)),
         *(parameter(*spring, 0.0, 0.0, 1e20) for spring in springs),
-        *declared_parameters([Parameters]),
+        *declared_parameters([BlockParameters]),
         *(one for film in films for one in declared(CylinderMotion, output_variable, *film)),
         *vectors(),
         *(output_variable(*row) for row in SCALARS),

@@ -25,7 +25,8 @@ from ..geometry.grid import cell_centres
 from ..geometry.profile import HotShape
 from .bases import Elastic, MeanElastic, mean_conditions
 from .geometry import pin_bore
-from .reduce import ends, film_surface, read_body
+from .reading import read_body
+from .reduce import ends, film_surface
 from .reduced_body import load
 from .store import contents, kept
 

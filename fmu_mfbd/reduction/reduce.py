@@ -1,8 +1,7 @@
 """Reduction of a mesh and a material, or a mesh and its matrices, to a small body."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,10 +10,8 @@ import scipy.sparse as sp
 from ..body_options import MOST_MODES, Block, Piston
 from ..finite_elements.element import rigid_mass, rigid_motions
 from ..finite_elements.faces import face_load
-from ..finite_elements.materials import NEEDED, material_of, replaced
-from ..finite_elements.matrices import FullModel, assembled, matrix_faults, read_matrix
-from ..finite_elements.mesh import Mesh, MeshFault, axes_matrix, read_mesh
-from ..finite_elements.point_cloud import read_nodes
+from ..finite_elements.matrices import FullModel
+from ..finite_elements.mesh import Mesh, MeshFault
 from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import cell_centres
 from .bases import (
@@ -33,6 +30,7 @@ from .film_loads import FilmLoads, Training, on_stations
 from .frame_integrals import Z, floating_frame_integrals, rigid_integrals
 from .geometry import block_faults, pin_bore, piston_faults
 from .interpolation import SurfaceReading, covered, interpolation, radial_and_axial
+from .reading import full_model, read_body
 from .reduced_body import (
     Anatomy,
     MeshProperties,
@@ -387,74 +385,6 @@ def _rigid_mass(mesh, position, full):
         return rigid_mass(position, mesh.tets, mesh.material.density) if mesh.material else NO_MASS
     rigid = rigid_motions(position)
     return rigid.T @ (full.M @ rigid)
-
-
-def read_surfaces(options: Any, names: Iterable[str], say: Say) -> Mesh:
-    """Read the mesh or the nodes of a body with surfaces; `options` of piston, block or small end.
-
-    Raises
-    ------
-    MeshFault
-    """
-    path = Path(options.mesh or "")
-    regions = {name: surface.region() for name, surface in options.surfaces.items()}
-    surfaces = dict.fromkeys(names) | regions
-    placed = options.mesh_unit, options.axes, options.origin
-    if path.suffix == ".csv":
-        return read_nodes(path, surfaces, *placed)
-    return read_mesh(path, surfaces, *placed, options.part, say)
-
-
-SURFACES = {Piston: ("skirt", "crown", "pin_bore"), Block: ("bore", "bolts")}
-"""Surfaces of the mesh of a body."""
-
-
-def read_body(options: Piston | Block, say: Say) -> Mesh:
-    """Read the mesh or the nodes of a body with its surfaces and its material.
-
-    Raises
-    ------
-    MeshFault
-    """
-    mesh = read_surfaces(options, SURFACES[type(options)], say)
-    if not len(mesh.tets) or options.stiffness or options.mass:
-        return mesh
-    values = {key: getattr(options, key) for key in (*NEEDED, "expansion")}
-    tables = {name: one.model_dump() for name, one in options.materials.items()}
-    for sentence in replaced(mesh.sets, values):
-        say(f"{options.mesh}: {sentence}")
-    needed = (*NEEDED, "expansion") if options.temperature_field else NEEDED
-    where = f"{options.mesh}: "
-    material = material_of(mesh.sets, len(mesh.tets), values, tables, where, needed)
-    return replace(mesh, material=material)
-
-
-def full_model(mesh: Mesh, options: Piston | Block, progress: Say) -> FullModel:
-    """Return a body with its matrices, from elements or from files.
-
-    Raises
-    ------
-    MeshFault
-        If the matrices are wrong.
-    """
-    freedoms = 3 * len(mesh.points)
-    if not (options.stiffness and options.mass):
-        progress(f"assembling {freedoms} degrees of freedom")
-        assert (material := mesh.material)  # of a body without matrices
-        return assembled(mesh, material.young, material.poisson, material.density)
-    labels = mesh.labels
-    if labels is None:
-        raise MeshFault(
-            f"{options.mesh}: expected nodes with numbers for the matrices, got linear tetrahedra "
-            "or several instances"
-        )
-    progress(f"reading matrices of {freedoms} degrees of freedom")
-    turn = sp.kron(sp.identity(len(mesh.points)), axes_matrix(options.axes), format="csr")
-    K = turn @ (read_matrix(options.stiffness, labels) * options.stiffness_unit) @ turn.T
-    M = turn @ (read_matrix(options.mass, labels) * options.mass_unit) @ turn.T
-    if faults := matrix_faults(mesh, K, M, Path(options.stiffness).name):
-        raise MeshFault(faults)
-    return FullModel(mesh, K, M)
 
 
 def film_surface(mesh, name, angle, height):

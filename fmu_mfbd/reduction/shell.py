@@ -18,7 +18,7 @@ from ..options import RoundShell, SmallEnd
 from .bases import Elastic, orthonormal_modes
 from .bosses import Shells, cell_means, out_of_round, shell_reading, with_boss_modes, without_shell
 from .interpolation import BESIDE
-from .reduce import read_surfaces
+from .reading import read_surfaces
 from .reduced_body import SMALL_END, ReducedShell, ShellFilm, ShellKind
 
 Say = Callable[[str], None]

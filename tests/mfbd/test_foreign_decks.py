@@ -15,7 +15,7 @@ from piston_cosim.fmu_mfbd.body_options import Piston
 from piston_cosim.fmu_mfbd.finite_elements.element import EDGES
 from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh, read_raw
 from piston_cosim.fmu_mfbd.options import SmallEnd
-from piston_cosim.fmu_mfbd.reduction.reduce import read_surfaces
+from piston_cosim.fmu_mfbd.reduction.reading import read_surfaces
 from piston_cosim.fmu_mfbd.reduction.store import contents
 
 CORNERS = np.array([[0, 0, 0], [0.03, 0, 0], [0, 0.04, 0], [0, 0, 0.05]])

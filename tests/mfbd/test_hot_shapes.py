@@ -33,7 +33,7 @@ from piston_cosim.fmu_mfbd.reduction.hot_shape import (
     thermal_shape,
     without_motion,
 )
-from piston_cosim.fmu_mfbd.reduction.reduce import read_body
+from piston_cosim.fmu_mfbd.reduction.reading import read_body
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.tests.mfbd.conftest import OUTER, quiet
