@@ -1,6 +1,7 @@
 """Open chains of rigid and reduced bodies: motion, residual and exact tangent of any of them.
 
 chain      bodies, joints and force elements as tables
+angles     how the angle of each body follows: one branch for each kind (K, D)
 motion     motion of all bodies, from the block outwards (K)
 inertia    forces that this motion needs (D)
 loads      loads from forces that turn with a body (D)

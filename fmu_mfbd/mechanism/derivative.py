@@ -9,6 +9,7 @@ from ..dynamics.carrier import Carrier
 from ..dynamics.floating_frame import TURN, Arrow, X, Y
 from ..dynamics.generalised_alpha import Motion
 from ..dynamics.slider_crank import CrankMotion
+from .angles import add_angle_row_changes
 from .chain import Chain, Loads
 from .equations import (
     ChainForces,
@@ -209,36 +210,14 @@ def _inward_changes(joints, at, force, d, change, top):
 
     Returns the change of the drive's torque, (m + k,).
     """
-    n, rows = joints.tip.shape
+    n = len(joints.parent)
     m, columns = d.position.shape[2], change.shape[2]
     torque = np.zeros(columns)
-    push = np.empty(columns)
     for b in range(n - 1, -1, -1):
         # Eq. (D61)
-        if joints.rod_length[b] > 0.0:
-            along = joints.rod_length[b] * at.axes[b, 0]
-            by_turn = force[b, TURN] * at.axes[b, 1] / (along * at.axes[b, 0])
-            for j in range(columns):
-                push[j] = change[b, TURN, j] / along
-            for j in range(m):
-                push[j] += by_turn * d.position[b, TURN, j]
-            for j in range(columns):
-                change[b, X, j] += push[j]
-            for i in range(rows):
-                tip = joints.tip[b, i]
-                if tip != 0.0:
-                    for j in range(columns):
-                        top[i, j] -= tip * push[j]
-        else:
-            if has_friction(joints.friction, b):
-                _rub_changes(joints, at, force, b, d, change)
-            if joints.driven[b] != 0.0:
-                for j in range(columns):
-                    torque[j] += joints.driven[b] * change[b, TURN, j]
-            i = joints.angle[b]
-            if i >= 0:
-                for j in range(columns):
-                    top[i, j] += change[b, TURN, j]
+        if has_friction(joints.friction, b):
+            _rub_changes(joints, at, force, b, d, change)
+        add_angle_row_changes(joints, b, at, force, d, change, top, torque)
         i = joints.play[b]
         if i >= 0:
             for j in range(columns):

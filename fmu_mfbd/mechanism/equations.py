@@ -11,6 +11,7 @@ from ..dynamics.generalised_alpha import Motion
 from ..dynamics.pin_friction import PinMoment, friction_moment, pin_friction_from
 from ..dynamics.slider_crank import CrankMotion
 from ..geometry.arrays import Matrix, Vector
+from .angles import add_angle_row
 from .chain import LEVER, VISCOUS, Chain, Elements, Joints, Loads
 from .inertia import (
     InertiaForces,
@@ -184,21 +185,13 @@ def _inwards(joints, at, force, residual):
     torque = 0.0
     for b in range(len(force) - 1, -1, -1):
         # Eq. (D61)
-        if joints.rod_length[b] > 0.0:
-            push = force[b, TURN] / (joints.rod_length[b] * at.axes[b, 0])
-            for j in range(joints.tip.shape[1]):
-                residual[j] -= joints.tip[b, j] * push
-            force[b, X] += push
-        else:
-            moment = force[b, TURN]
-            if has_friction(joints.friction, b):
-                rubbing = friction_at(joints, at, force, b).moment
-                moment -= rubbing
-                if joints.parent[b] >= 0:
-                    force[joints.parent[b], TURN] += rubbing
-            torque += joints.driven[b] * moment
-            if joints.angle[b] >= 0:
-                residual[joints.angle[b]] += moment
+        moment = force[b, TURN]
+        if has_friction(joints.friction, b):
+            rubbing = friction_at(joints, at, force, b).moment
+            moment -= rubbing
+            if joints.parent[b] >= 0:
+                force[joints.parent[b], TURN] += rubbing
+        torque += add_angle_row(joints, b, at, moment, force, residual)
         first = joints.play[b]
         if first >= 0:
             residual[first] += joints.sign[b] * force[b, X]

@@ -9,6 +9,7 @@ from ..dynamics.floating_frame import TURN, X, Y
 from ..dynamics.generalised_alpha import Coefficients, Motion
 from ..dynamics.slider_crank import CrankMotion
 from ..geometry.arrays import Matrix, Vector
+from .angles import put_angle, put_angle_changes
 from .chain import Joints
 
 
@@ -85,9 +86,8 @@ def chain_motion(joints: Joints, now: Motion, drive: CrankMotion) -> ChainMotion
 
     Eq. (K41):  X = X_P + R_P d + j u,   X'' = X_P'' + (chi_P'' Z - chi_P'^2) R_P d + j u''
                 d the joint in the axes R_P of the parent P, u the play and j its sign
-    Eq. (K42):  sin chi = (x - x_T)/L,   chi' = (x' - x_T')/(L cos chi)
-                chi'' = (x'' - x_T'' + L sin chi chi'^2)/(L cos chi)
-                of a rod with its origin at x and its tip at x_T, linear in the coordinates
+
+    Angles follow by `angles.put_angle`.
 
     Parameters
     ----------
@@ -127,45 +127,8 @@ def chain_motion(joints: Joints, now: Motion, drive: CrankMotion) -> ChainMotion
                 position[b, way] += joints.sign[b] * now.position[first + way]
                 velocity[b, way] += joints.sign[b] * now.velocity[first + way]
                 acceleration[b, way] += joints.sign[b] * now.acceleration[first + way]
-        if joints.rod_length[b] > 0.0:
-            _swing(joints, b, now, at)
-        else:
-            _turn(joints, b, now, drive, at)
+        put_angle(joints, b, now, drive, at)
     return at
-
-
-@compilable
-def _turn(joints, b, now, drive, at):
-    """Write the angle of body b, driven or a coordinate."""
-    angle = joints.driven[b] * drive.angle
-    at.velocity[b, TURN] = joints.driven[b] * drive.speed
-    at.acceleration[b, TURN] = joints.driven[b] * drive.acceleration
-    k = joints.angle[b]
-    if k >= 0:
-        angle += now.position[k]
-        at.velocity[b, TURN] += now.velocity[k]
-        at.acceleration[b, TURN] += now.acceleration[k]
-    at.axes[b, 0], at.axes[b, 1] = np.cos(angle), np.sin(angle)
-
-
-@compilable
-def _swing(joints, b, now, at):
-    """Write the angle of rod b, which follows from x of its tip."""
-    length = joints.rod_length[b]
-    x, v, a = joints.offset[b], 0.0, 0.0
-    for j in range(joints.tip.shape[1]):
-        x += joints.tip[b, j] * now.position[j]
-        v += joints.tip[b, j] * now.velocity[j]
-        a += joints.tip[b, j] * now.acceleration[j]
-    # Eq. (K42)
-    sine = (at.position[b, X] - x) / length
-    cosine = np.sqrt(1 - sine * sine)
-    w = (at.velocity[b, X] - v) / (length * cosine)
-    at.axes[b, 0], at.axes[b, 1] = cosine, sine
-    at.velocity[b, TURN] = w
-    at.acceleration[b, TURN] = (at.acceleration[b, X] - a + length * sine * w * w) / (
-        length * cosine
-    )
 
 
 @compilable
@@ -218,30 +181,8 @@ def motion_changes(joints: Joints, at: ChainMotion, by: Increments) -> MotionCha
                 d.position[b, way, j] += joints.sign[b] * by.position[j]
                 d.velocity[b, way, j] += joints.sign[b] * by.velocity[j]
                 d.acceleration[b, way, j] += joints.sign[b] * by.acceleration[j]
-        j = joints.angle[b]
-        if joints.rod_length[b] > 0.0:
-            _swing_changes(joints, b, at, by, d)
-        elif j >= 0:
-            d.position[b, TURN, j] = by.position[j]
-            d.velocity[b, TURN, j] = by.velocity[j]
-            d.acceleration[b, TURN, j] = by.acceleration[j]
+        put_angle_changes(joints, b, at, by, d)
     return d
-
-
-@compilable
-def _swing_changes(joints, b, at, by, d):
-    """Write the change of the angle of rod b."""
-    along, aside = joints.rod_length[b] * at.axes[b, 0], joints.rod_length[b] * at.axes[b, 1]
-    w, alpha = at.velocity[b, TURN], at.acceleration[b, TURN]
-    for j in range(joints.tip.shape[1]):
-        # Eq. (K42)
-        tip = joints.tip[b, j]
-        t = (d.position[b, X, j] - tip * by.position[j]) / along
-        dw = (d.velocity[b, X, j] - tip * by.velocity[j] + w * aside * t) / along
-        da = d.acceleration[b, X, j] - tip * by.acceleration[j] + 2 * aside * w * dw
-        d.position[b, TURN, j] = t
-        d.velocity[b, TURN, j] = dw
-        d.acceleration[b, TURN, j] = (da + (along * w * w + alpha * aside) * t) / along
 
 
 @compilable
