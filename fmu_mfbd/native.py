@@ -354,7 +354,7 @@ def publish(real, integer, counts, places, model, result):
 
 
 @compiled
-def solve(real, integer, memory, places, model, c, before, crank, time):
+def solve(real, integer, memory, places, model, c, before, crank):
     """Solve a step as `model.PistonInBore._solve`, and write its state and outputs.
 
     If the step is rejected, the fault is noted and the state stays.
@@ -377,7 +377,7 @@ def solve(real, integer, memory, places, model, c, before, crank, time):
         check_even(model.parts.surfaces, inputs.skirt, faults)
     if faults[0] > 0.0:
         return
-    result = result_of(model, before, step, time, now, inputs)
+    result = result_of(model, before, step, before.time + c.step, now, inputs)
     publish(real, integer, parts.counts, places, model, result)
     put_last(parts.last, result.last)
     put_state(parts.state, result.state)
@@ -432,7 +432,7 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     now = coefficients(0.0, p.spectral_radius)
     for _ in range(START_PASSES):
         before = at_rest(crank, position, given.start_velocity)
-        solve(real, integer, memory, places, model, now, before, crank, 0.0)
+        solve(real, integer, memory, places, model, now, before, crank)
         state = state_from(parts.state.copy())
         keep(parts.begun, parts.state)
         if faults[0] > 0.0 or is_started(p, crank, state):
@@ -454,7 +454,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     set_damping(model, settings_from(get_each(real, places.settings)))
     crank = crank_after(model, state, step, float(real[places.crank_speed]))
     c = step_coefficients(state, step, model.settings.spectral_radius)
-    solve(real, integer, memory, places, model, c, state, crank, state.time + step)
+    solve(real, integer, memory, places, model, c, state, crank)
 
 
 @compiled

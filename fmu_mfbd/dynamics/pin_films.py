@@ -131,11 +131,12 @@ def held_forces(of: BodySystem, load: Load, forces: PinForces, pushes: np.ndarra
 
 
 @compilable
-def _work_error(of, surface, forces, push, opened, shell, loads, end, e):
+def _work_error(of, forces, push, opened, shell, loads, end, e):
     """Return the relative power error of a film, on the grid (Eq. (G4)) and in coordinates [-].
 
     `push` is the force on the modes of its shell, which is `opened`.
     """
+    surface = pin_surface_at(of.pin_surfaces, e)
     modal_velocity = shell_modes_of(of.chain.elements, end.velocity, e)
     place = in_axes(shell.axes, shell.place)
     on_grid = power_on_grid(
@@ -227,7 +228,7 @@ def pin_films(
             around[cell] = surface.radius * shell.turning  # Eq. (H7)
         push = pushes[0][mode : mode + of.chain.elements.modes[e]]
         mode += len(push)
-        errors[e] = _work_error(of, surface, own, push, opened, shell, loads, end, e)
+        errors[e] = _work_error(of, own, push, opened, shell, loads, end, e)
         if e <= EYE and floats(of.chain):
             friction_power -= shell.turning * loads.wrench[e, MOMENT]
         for body, moment in (

@@ -111,10 +111,9 @@ def pin_scalars(
         _wrench_of(loads, in_big_end),
         _wrench_of(loads, in_main),
     )
-    pushed = np.zeros(3)
-    for k, film in enumerate((in_eye, in_big_end, in_main)):
-        if film >= 0:
-            pushed[k] = on_slopes  # Eq. (D70)
+    on_eye = on_slopes if in_eye >= 0 else 0.0  # Eq. (D70)
+    on_big_end = on_slopes if in_big_end >= 0 else 0.0
+    on_main = on_slopes if in_main >= 0 else 0.0
     by_laws = np.zeros(2)
     if floats(of.chain) and len(of.chain.laws.kind) > 0:
         by_laws = between(of.chain, loads, BODY.rod, BODY.pin)
@@ -131,7 +130,7 @@ def pin_scalars(
         pin_angle=spin,
         pin_rotation_speed=spinning,
         small_end_force_x=by_laws[X] - eye[X],
-        small_end_force_y=pushed[0] + by_laws[Y] - eye[Y],
+        small_end_force_y=on_eye + by_laws[Y] - eye[Y],
         small_end_friction_moment=eye[REACTION],
         pin_tilt_x=tilt[0],
         pin_tilt_y=tilt[1],
@@ -142,14 +141,14 @@ def pin_scalars(
         big_end_displacement_x=crank_pin[0],
         big_end_displacement_y=crank_pin[1],
         big_end_force_x=-big_end[X],
-        big_end_force_y=-big_end[Y] - pushed[1],
+        big_end_force_y=-big_end[Y] - on_big_end,
         big_end_friction_moment=big_end[REACTION],
         big_end_widening_across=wider_end[0],
         big_end_widening_along=wider_end[1],
         main_bearing_displacement_x=journal[0],
         main_bearing_displacement_y=journal[1],
         main_bearing_force_x=-main_bearing[X],
-        main_bearing_force_y=pushed[2] - main_bearing[Y],
+        main_bearing_force_y=on_main - main_bearing[Y],
         main_bearing_friction_moment=main_bearing[REACTION],
         main_bearing_widening_x=wider_main[0],
         main_bearing_widening_y=wider_main[1],

@@ -178,7 +178,10 @@ class PistonInSpace(PistonInBore):
         unbalance = self.model.settings.crank_unbalance
         on_block, self._across = block_force(self.bodies, load, unbalance, end, crank, lack)
         turning = on_grids.on_slopes * upright.lever
-        moment = on_block.moment_on_block - turning  # Eq. (D70)
+        on_block = on_block._replace(  # Eq. (D70)
+            moment_on_block=on_block.moment_on_block - turning,
+            main_bearing_force_y=on_block.main_bearing_force_y + on_grids.on_slopes,
+        )
         none = np.zeros(0)
         return Instant(
             end=end,
@@ -206,7 +209,7 @@ class PistonInSpace(PistonInBore):
             pin_work_error=none,
             pin_scalars=NO_PIN,
             linear=no_linearisation(),
-            on_block=on_block._replace(moment_on_block=moment),
+            on_block=on_block,
         )
 
     def _films(

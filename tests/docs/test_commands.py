@@ -31,6 +31,7 @@ SLOW = (
     *("run twin *", "run flexible_twin*", "run elastic_tube", "run engine.ssp"),
     *("run data_sheet --set native=true", "run data_sheet * --bodies *", "run data_sheet * jfo *"),
     *("sweep numerical_example *", "sweep fired_motorcycle *", "sweep data_sheet *"),
+    "sweep models/measured/piston_slap *",
     *(
         "sweep my_engine *",
         "study my_engine grid",
