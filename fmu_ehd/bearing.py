@@ -177,7 +177,8 @@ class Bearing:
         known = all(np.isfinite(one).all() for one in self.uncertainty.values())
         why = [] if known else [NO_UNCERTAINTY]
         contact = [] if self.rough else [SMOOTH]
-        return "\n".join([*lines, f"oil supply {self.supply}", *NOTES, *contact, *why])
+        oil = f"oil supply {self.supply}", f"viscosity {1e3 * self.viscosity:.4g} mPa s"
+        return "\n".join([*lines, *oil, *NOTES, *contact, *why])
 
     def plot(self) -> Any:
         """Return a matplotlib figure: the bearing with its pressure, and both along the angle."""

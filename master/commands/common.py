@@ -263,19 +263,22 @@ def print_answers(answers, verbose=False):
 
 def print_compared(runs):
     """Print the comparison of two runs (label -> Results): headline, then each difference."""
+    from ..engine.answer import answer, failed_checks
     from ..engine.comparison import compared
-    from ..engine.measures import measures
 
     trees = tuple(results.case for results in runs.values())
     cases = [check_case(tree, results.path) for tree, results in zip(trees, runs.values())]
-    tables = [measures(case, results) for case, results in zip(cases, runs.values())]
-    found = compared(tuple(runs), trees, tables)
+    answers = [answer(case, results) for case, results in zip(cases, runs.values())]
+    found = compared(tuple(runs), trees, [one.table for one in answers])
     tell(found.headline, markup=False)
     table = Table("", *found.names, "difference", box=None, pad_edge=False)
     for row in found.rows:
         table.add_row(row.label, row.first.figure, row.second.figure, row.text)
     if found.rows:
         wide_console().print(table, highlight=False)
+    for name, one in zip(found.names, answers):
+        if failed := failed_checks(one.verdicts):
+            say(f"warning: {name}: the checks {', '.join(failed)} fail")
     for remark in found.remarks:
         say(remark)
 

@@ -111,6 +111,11 @@ def worst_check(checks: list[Verdict]) -> str:
     return WORDS[worst] if worst == RANK[0] else f"{WORDS[worst]}: {names}"
 
 
+def failed_checks(checks: list[Verdict]) -> list[str]:
+    """Return the names of the checks that fail."""
+    return [*dict.fromkeys(one.what for one in checks if one.colour == RANK[-1])]
+
+
 def uncertainty_text(table: Measures, summary: dict) -> str:
     """Return sentences about the uncertainties of a run, "" if it has none."""
     known = [one for one in table.estimated if one.uncertainty.value is not None]

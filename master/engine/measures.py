@@ -61,7 +61,7 @@ POWER = "mean_friction_power_w", "mean friction power"
 """Key and label of the friction of a film, and of all films."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Measure:
     """Figure of the last period of a run.
 
@@ -83,8 +83,11 @@ class Measure:
     note: str = ""
     shown: str = ""
     scale: float | None = None
-    course: Course | None = field(default=None, repr=False)
+    course: Course | None = None
     uncertainty: Uncertainty = UNKNOWN
+
+    def __repr__(self) -> str:
+        return f"<{self.label}: {self.text}>"
 
     @property
     def figure(self) -> str:

@@ -81,7 +81,7 @@ def unknown(kind: str, name: object, known: Iterable[str], hint: str = "") -> st
     known = list(known)
     question = near(str(name), known) or (f"; {hint}" if hint else "")
     if not known:
-        return f"expected no {kind}, got {name!r}{question}"
+        return f"expected nothing, because there is no {kind}, got {name!r}{question}"
     return f"expected {names_of(known)}, got unknown {kind} {name!r}{question}"
 
 

@@ -1,12 +1,13 @@
 """Pictures of a run in one line, by the functions that draw a case's pictures."""
 
 from typing import TYPE_CHECKING, Any
+from warnings import warn
 
 from ..case.schema import Case
 from ..case.shown import Picture
 from ..fmi.errors import BadInput, names_of, unknown
 from .coordinates import crank_angle_port
-from .pictures import DRAWN
+from .pictures import DRAWN, left_out
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,8 +37,15 @@ class Plots:
         return f"<Plots of {self._results.path.name}: lines, map, section>"
 
     def __call__(self, beside: "dict[str, Recorded] | None" = None) -> "dict[str, Figure]":
-        """Draw every picture that the case describes: file name -> figure."""
-        return {p.file: self._drawn(p, beside) for p in self._case.pictures}
+        """Draw the pictures that the case describes: file name -> figure.
+
+        A warning names those that the runs do not have the fields or instants for.
+        """
+        omitted = left_out(self._case, self._runs(beside))
+        for file, why in omitted.items():
+            warn(f"{file} is omitted: {why}", stacklevel=2)
+        drawn = [one for one in self._case.pictures if one.file not in omitted]
+        return {one.file: self._drawn(one, beside) for one in drawn}
 
     def lines(
         self,
@@ -99,9 +107,11 @@ class Plots:
         if not ports:
             raise BadInput(f"plot: expected {names_of(known)}, got nothing")
 
+    def _runs(self, beside: "dict[str, Recorded] | None") -> "dict[str, Recorded]":
+        return {self._results.path.stem: self._results, **(beside or {})}
+
     def _drawn(self, picture: Picture, beside: "dict[str, Recorded] | None") -> "Figure":
-        runs = {self._results.path.stem: self._results, **(beside or {})}
-        figure = DRAWN[picture.kind](self._case, picture, runs)
+        figure = DRAWN[picture.kind](self._case, picture, self._runs(beside))
         if picture.title:
             figure.suptitle(picture.title)
         return figure

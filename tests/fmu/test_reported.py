@@ -340,7 +340,7 @@ def test_a_tunable_parameter_is_fed_between_steps(version):
 
 def test_a_parameter_that_is_not_tunable_is_not_fed():
     a = fmu("a", [real("p", 2, "parameter"), Y])
-    words = "wire a.y -> a.p: expected no input, got 'a.p'"
+    words = "wire a.y -> a.p: expected nothing, because there is no input, got 'a.p'"
     assert words in refused({"a": a}, ["a.y -> a.p"])
     b = fmu("b", [tunable(), Y])
     wire = {"from": "b.y", "to": "b.p", "tolerance": 1.0}

@@ -350,6 +350,16 @@ def test_pictures_of_a_run(skirt):
         results.plot.map("ehd.presure", time="0 s")
 
 
+def test_a_picture_of_an_instant_that_a_run_does_not_reach_is_omitted_with_a_warning(skirt):
+    results = pc.open_results(skirt.path)
+    first, *others = results.plot._case.pictures
+    late = first.model_copy(update={"time": "100 s"})
+    case = results.plot._case.model_copy(update={"pictures": [late, *others]})
+    with pytest.warns(UserWarning, match=f"{first.file} is omitted: .* does not reach 100 s"):
+        drawn = Plots(results, case)()
+    assert list(drawn) == [one.file for one in others]
+
+
 def test_time_is_the_abscissa_without_a_crank(oscillator):
     assert oscillator.crank_angle is None
     figure = oscillator.plot.lines("left.displacement")

@@ -27,6 +27,10 @@ def film(value, grid, step=0.0, signed=True):
     return Measure(KEY, label, 1e-6 * value, "m", "ehd", uncertainty=known)
 
 
+def test_a_measure_reads_as_a_figure():
+    assert repr(film(9.2, 0.05)) == "<minimum film thickness: 9.20 +- 0.05 \N{MICRO SIGN}m>"
+
+
 def test_errors_that_two_runs_share_cancel():
     """The parts are 4 and 3 µm with one sign, so that 1 µm and a fifth of 5 µm remain."""
     one, other = film(2.0, 4.0), film(3.0, 3.0)

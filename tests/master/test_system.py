@@ -47,7 +47,7 @@ def wired(participants, coupling=SEQUENTIAL, target="film.film_thickness", **giv
         ("film.coarse", "coarse: expected equal shapes, got (4, 4)"),
         ("film.other", "other: expected units of one kind, got m"),
         ("film.film_thicknes", "film_thicknes: expected one of"),
-        ("body.film_thickness", "film_thickness: expected no input, got"),
+        ("body.film_thickness", "film_thickness: expected nothing, because there is no input, got"),
     ],
 )
 def test_wiring_faults(participants, target, words):
