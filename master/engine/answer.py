@@ -131,7 +131,7 @@ def uncertainty_text(table: Measures, summary: dict) -> str:
     if kept := summary.get("uncertainty_kept"):
         said.append(f"These participants keep their grid: {kept}.")
     if why := summary.get("uncertainty_reason"):
-        said.append(f"A second grid is not possible: {why}.")
+        said.append(f"A second grid with doubled steps is not possible: {why}.")
     return " ".join(said)
 
 

@@ -15,6 +15,10 @@ GRID_SAFETY = 3.0
 the factor of an order of 2 with the safety 3, and that of an order of 1 with the safety 1.25."""
 
 
+FEWEST = 6
+"""Fewest cells of a direction that a second grid can have fewer of: it has at least 4."""
+
+
 class Surface(NamedTuple):
     """Surface of a film: the participant of its body, and the prefix of its fields there."""
 
@@ -25,7 +29,7 @@ class Surface(NamedTuple):
 def coarser(tree: dict[str, Any]) -> dict[str, Any]:
     """Return the tree with fewer cells in all films but `kept_films`, an even number around.
 
-    Raises `BadInput` if a film has no grid, or if all of them keep theirs.
+    Raises `BadInput` if a film has no grid or few cells, or if all of them keep theirs.
     """
     made = deepcopy(tree)
     tables = made["participants"]
@@ -41,6 +45,11 @@ def coarser(tree: dict[str, Any]) -> dict[str, Any]:
     for name, table in tables.items():
         build = table.get("build", {})
         if "grid" in build and name not in kept:
+            if min(build["grid"]) < FEWEST:
+                raise BadInput(
+                    f"{name}.build.grid: expected at least {FEWEST} cells in each direction, "
+                    f"got {build['grid']}"
+                )
             build["grid"] = [max(4, 2 * round(n / ratio / 2)) for n in build["grid"]]
     for body, build in _banded(tree).items():
         _scale_bands(made, body, build["grid"][1])

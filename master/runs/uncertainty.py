@@ -22,6 +22,7 @@ from ..fmi.errors import BadInput, Stopped
 from ..fmi.quantities import are_compatible, quantity, times
 from ..results.file import Results
 from ..results.recorded import add_to_summary
+from .checkpoint import Interrupted
 from .run import run
 from .second_grid import GRID_SAFETY, coarser, grid_safety, kept_films, ratio_of
 
@@ -69,6 +70,11 @@ def state_uncertainty(
         Added entries `uncertainty_CAUSE_NAME` in SI, or `uncertainty_reason` if there are none;
         `uncertainty_kept` names films without a second grid.
 
+    Raises
+    ------
+    Stopped
+        If a signal interrupts a further run. The results file is complete then.
+
     References
     ----------
     [Roache1994]
@@ -82,6 +88,11 @@ def state_uncertainty(
                     _measured(one, folder, Path(scratch) / f"{k}.h5", progress)
                     for k, one in enumerate(trees())
                 ]
+            except Interrupted:
+                raise Stopped(
+                    "interrupted in a further run for the uncertainties; "
+                    f"{output} is complete, with estimates from its run alone"
+                ) from None
             except (BadInput, Stopped) as why:
                 entries = {"uncertainty_reason": str(why).splitlines()[0]}
             else:

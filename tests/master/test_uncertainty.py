@@ -1,6 +1,7 @@
 """Uncertainty of figures: values by hand of its parts, its text, and the trees of further runs."""
 
 import json
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 import numpy as np
@@ -25,9 +26,10 @@ from piston_cosim.master.engine.uncertainty import (
     at_least,
     combined,
 )
-from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.fmi.errors import BadInput, Stopped
 from piston_cosim.master.fmi.quantities import numbers_text
 from piston_cosim.master.runs import uncertainty as further
+from piston_cosim.master.runs.checkpoint import Interrupted
 from piston_cosim.master.runs.second_grid import (
     coarser,
     fitting_rows,
@@ -312,3 +314,31 @@ def test_further_runs_continue_from_the_settled_state(tmp_path):
     run.summary = {"periods": 1}
     assert further.continued(tree, run, tmp_path) is tree
     assert len(further.attempts(tree, run, tmp_path)) == 1
+
+
+def test_an_interruption_ends_further_runs_and_keeps_the_result(tmp_path, monkeypatch):
+    """The first attempt stops by a signal; a second one would ignore it."""
+    begun = []
+
+    def interrupted(tree, *_):
+        begun.append(tree)
+        raise Interrupted(tmp_path / "scratch.h5", 0.01)
+
+    results = SimpleNamespace(case=None)
+    monkeypatch.setattr(further, "Results", lambda path: nullcontext(results))
+    monkeypatch.setattr(further, "check_case", lambda tree, folder: None)
+    monkeypatch.setattr(further, "measures", lambda case, results: Measures())
+    monkeypatch.setattr(further, "attempts", lambda *_: [lambda: ["first"], lambda: ["second"]])
+    monkeypatch.setattr(further, "_measured", interrupted)
+    with pytest.raises(Stopped, match=r"a\.h5 is complete, with estimates from its run alone"):
+        further.state_uncertainty({}, tmp_path, tmp_path / "a.h5", print)
+    assert begun == ["first"]
+
+
+def test_a_film_of_few_cells_has_no_second_grid():
+    """5 cells would keep 4 of them, and 4 cells all, so that both grids hardly differ."""
+    tree = read_tree(find_case("data_sheet"))
+    for table in ("ehd", "bodies"):
+        tree["participants"][table]["build"]["grid"] = [6, 5]
+    with pytest.raises(BadInput, match=r"at least 6 cells in each direction, got \[6, 5\]"):
+        coarser(tree)
