@@ -88,7 +88,7 @@ def compile_code(path: Path, say: Callable[[str], object]) -> None:
     """Start an FMU and take a step of its default experiment, to cache its compiled code.
 
     Later starts of FMUs with the same code then take less time. An FMU whose default values are not
-    valid is not compiled.
+    valid is not compiled, and the message says why.
 
     Parameters
     ----------
@@ -103,10 +103,9 @@ def compile_code(path: Path, say: Callable[[str], object]) -> None:
     try:
         one.start({}, 0.0, float(usual.stopTime))
         one.step(0.0, float(usual.stepSize))
-    except (BadInput, Discard):
-        log.info(
-            "%s does not start with its default values, so its code is not compiled yet", path.name
-        )
+    except (BadInput, Discard) as error:
+        why, *_ = str(error).strip().splitlines() or [type(error).__name__]
+        say(f"warning: {path.name} does not start with its default values: {why}")
     finally:
         one.close()
 

@@ -4,6 +4,8 @@ import doctest
 import inspect
 import re
 import sys
+from pathlib import Path
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +13,7 @@ import pytest
 
 import piston_cosim as pc
 from piston_cosim.fmu_mfbd.offline import BodyReport
+from piston_cosim.master.api import fmus
 from piston_cosim.master.results.labelled import to_dataframe
 from piston_cosim.master.results.plots import Plots
 from piston_cosim.master.results.recorded import RecordedField
@@ -435,3 +438,23 @@ class Law(pc.Slave):
 def test_a_choice_of_an_own_model_by_name_and_number(law, tmp_path):
     case = pc.couple({"a": Law}, [], stop="1 s", step="1 s", parameters={"a": {"law": law}})
     assert case.run(tmp_path / "o.h5").series("a.y").values[-1] == 2.0
+
+
+def test_an_fmu_that_does_not_start_says_why(monkeypatch):
+    class Refusing:
+        """FMU whose default values are not valid."""
+
+        description = SimpleNamespace(
+            defaultExperiment=SimpleNamespace(stopTime="1.0", stepSize="0.1")
+        )
+
+        def start(self, *_):
+            raise pc.BadInput("radius: expected a positive value, got 0 m")
+
+        def close(self):
+            """Do nothing."""
+
+    monkeypatch.setattr(fmus.opening, "open_fmu", lambda name, path: Refusing())
+    said: list[str] = []
+    fmus.compile_code(Path("film.fmu"), said.append)
+    assert said[-1].endswith("default values: radius: expected a positive value, got 0 m")
