@@ -9,11 +9,11 @@ A difference below u is not distinguishable from zero.
 """
 
 from collections.abc import Mapping, Sequence
-from math import hypot
+from math import hypot, isclose
 from pathlib import PurePath
 from typing import Any, NamedTuple
 
-from ..fmi.quantities import numbers_text
+from ..fmi.quantities import are_compatible, numbers_text, quantity
 from .measures import LEAST_SHARE, Measure, Measures, unknown_in_words
 from .uncertainty import DIVERGES, display_unit
 
@@ -39,6 +39,8 @@ NOT_RESULTS = ("title", "label", "monitor", "pictures", "axes", "window", "studi
 """Tables of a case that do not affect its results."""
 MOST_NAMED = 3
 """Largest number of differences that a headline names."""
+ROUND_OFF = 1e-9
+"""Relative difference up to which values in different units are equal."""
 NOT_DISTINGUISHABLE, NOT_KNOWN = "not distinguishable", "uncertainty unknown"
 
 
@@ -173,14 +175,49 @@ def differing(one: dict[str, Any], other: dict[str, Any], names: Sequence[str]) 
         leaves({key: value for key, value in tree.items() if key not in NOT_RESULTS})
         for tree in (one, other)
     ]
-    keys = [key for key in {**pair[0], **pair[1]} if pair[0].get(key) != pair[1].get(key)]
-    parts: dict[str, tuple[str, str]] = {}
-    for key in keys:
-        parts.setdefault(key.rpartition(".")[2], (_shown(key, pair[0]), _shown(key, pair[1])))
+    keys = [key for key in {**pair[0], **pair[1]} if not _equal(*(one.get(key) for one in pair))]
+    parts = _parts(keys, pair)
     if not 0 < len(parts) <= MOST_NAMED:
         return names[0], names[1]
-    first, second = (" and ".join(each[k] for each in parts.values()) for k in (0, 1))
+    first, second = (" and ".join(each[k] for each in parts) for k in (0, 1))
     return first, second
+
+
+def _equal(one, other):
+    """Return whether two values are the same, also in different units."""
+    first, second = _quantity(one), _quantity(other)
+    if first is None or second is None or not are_compatible(first.units, second.units):
+        return one == other
+    return isclose(first.to(second.units).magnitude, second.magnitude, rel_tol=ROUND_OFF)
+
+
+def _quantity(value):
+    """Return the quantity of a text with a unit, None for other values."""
+    try:
+        return quantity(value) if isinstance(value, str) else None
+    except ValueError:
+        return None
+
+
+def _parts(keys, pair):
+    """Return what differs in words, equal pairs once.
+
+    If keys with the same last part have different pairs, the part that tells them apart is added.
+    """
+    found: dict[str, dict[tuple[str, ...], list[str]]] = {}
+    for key in keys:
+        shown = tuple(_shown(key, one) for one in pair)
+        if shown[0] == shown[1]:  # files of one name in different folders
+            shown = tuple(str(one[key]) for one in pair)
+        found.setdefault(key.rpartition(".")[2], {}).setdefault(shown, key.split("."))
+    parts: list[tuple[str, ...]] = []
+    for own in found.values():
+        level = next((k for k, part in enumerate(zip(*own.values())) if len({*part}) > 1), None)
+        parts += [
+            shown if level is None else tuple(f"{key[level]} {text}" for text in shown)
+            for shown, key in own.items()
+        ]
+    return parts
 
 
 def _shown(key, known):
@@ -189,7 +226,8 @@ def _shown(key, known):
     if key not in known:
         return f"no {words}"
     value = known[key]
-    if isinstance(value, str) and PurePath(value).suffix and " " not in value:
+    is_text = isinstance(value, str) and _quantity(value) is None  # "12.5um" is no file
+    if is_text and PurePath(value).suffix and " " not in value:
         return PurePath(value).name
     return f"{words} {value}"
 
@@ -214,7 +252,8 @@ def changes(names: Sequence[str], rows: list[Difference]) -> str:
         known = [row for row in rows if row.size * sign > 0]
         own = [f"the {row.label} by {row.text.lstrip('+-')}" for row in known]
         said += [f"{verb} {listed(own)}."] if own else []
-    begin = first if "." in first else f"{first[0].upper()}{first[1:]}"  # a file keeps its letters
+    is_file = {*"./_"} & {*first.split()[0]}  # which keeps its letters
+    begin = first if is_file else f"{first[0].upper()}{first[1:]}"
     if not rows:
         return f"{begin} and {second} have no main result in common."
     said = said or ["makes no clear difference."]

@@ -310,7 +310,8 @@ Data Group. A larger one has one digit."""
 def numbers_text(value: float, spread: float) -> str:
     """Return a value with its uncertainty, "2.17 +- 0.08": both end with the same digit.
 
-    An uncertainty of NaN is unknown.
+    A value above its uncertainty has another digit if both would be equal. An uncertainty of NaN is
+    unknown.
     """
     if isnan(spread):
         return f"{value:.3g} +- unknown"
@@ -318,5 +319,6 @@ def numbers_text(value: float, spread: float) -> str:
         return f"{value:.3g}"
     power = floor(log10(spread))
     places = -power + (spread / 10.0**power < TWO_DIGITS)
+    places += spread < abs(value) and round(abs(value), places) == round(spread, places)
     shown = [f"{round(number, places):.{max(places, 0)}f}" for number in (value, spread)]
     return " +- ".join(shown)

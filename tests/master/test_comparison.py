@@ -11,6 +11,7 @@ from piston_cosim.master.engine.comparison import (
     difference,
     differing,
     grids,
+    headline,
     spread,
 )
 from piston_cosim.master.engine.measures import Measure, Measures
@@ -100,6 +101,46 @@ def test_what_differs_is_named_and_no_hash():
     assert differing(variants, tree("b.csv"), ("base", "other")) == ("base", "other")
     assert differing(variants, tree("b.csv"), names) == ("a.csv", "b.csv")
     assert grids(fine) != grids(coarse) == grids(tree("b.csv"))
+
+
+def test_what_differs_is_the_same_in_other_units_and_folders():
+    def film_of(viscosity, clearance="25 um", file="a/prof.csv"):
+        made = tree(file)
+        made["participants"]["ehd"]["parameters"] = {"viscosity": viscosity}
+        made["participants"]["pin"] = {"parameters": {"viscosity": "9 mPa s"}}
+        made["participants"]["bodies"]["parameters"] = {"radial_clearance": clearance}
+        return made
+
+    def found(one, other):
+        return differing(one, other, ("one", "two"))
+
+    here = film_of("5 mPa s")
+    assert found(here, film_of("0.005 Pa s", "0.025 mm")) == ("one", "two")
+    assert found(here, film_of("5 mPa s", "12.5um")) == (
+        "radial clearance 25 um",
+        "radial clearance 12.5um",
+    )
+    assert found(here, film_of("5 mPa s", file="b/prof.csv")) == ("a/prof.csv", "b/prof.csv")
+    both = film_of("6 mPa s")
+    both["participants"]["pin"]["parameters"]["viscosity"] = "8 mPa s"
+    assert found(here, both) == (
+        "ehd viscosity 5 mPa s and pin viscosity 9 mPa s",
+        "ehd viscosity 6 mPa s and pin viscosity 8 mPa s",
+    )
+
+
+@pytest.mark.parametrize(
+    "first, begin",
+    [
+        ("a/rigid", "a/rigid"),
+        ("run_a", "run_a"),
+        ("radial clearance 2.5 um", "Radial clearance 2.5 um"),
+        ("rigid", "Rigid"),
+    ],
+)
+def test_a_headline_keeps_the_letters_of_files(first, begin):
+    rows = [difference(film(3.0, 0.1), film(3.0, 0.1), True)]
+    assert headline((first, "b"), rows).startswith(f"{begin} instead of b makes no clear")
 
 
 def test_the_headline_says_what_changes_and_which_is_better():
