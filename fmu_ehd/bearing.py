@@ -292,7 +292,8 @@ def bearing(
 def _uncertainty(levels: list[Any]) -> dict[str, Any]:
     """Return U of each figure from the figures of three grids, the finest first, Eq. (E21)."""
     if None in levels:
-        return {name: np.nan * value for name, value in levels[0].items()}
+        unknown_ones = {name: np.nan * value for name, value in levels[0].items()}
+        return unknown_ones | {"sommerfeld_number": 0.0}  # which no grid affects
 
     def of(name: str) -> Any:
         last, before = (np.abs(one[name] - other[name]) for one, other in pairwise(levels))

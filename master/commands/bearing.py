@@ -76,7 +76,7 @@ def command(
     except BadInput as error:
         raise BadInput([_of_option(fault, given) for fault in error.faults]) from None
     except Discard as error:
-        raise Stopped(f"{error}; try a smaller load, or roughness_rms for contact") from None
+        raise Stopped(f"{error}; try another load, or roughness_rms for contact") from None
     tell(str(result), markup=False)
     if picture:
         result.plot().savefig(picture)

@@ -260,6 +260,10 @@ def _sweep(points, case_folder, folder, executor, watch, uncertainty):
     needed = (COMPUTED,) if uncertainty else ()
     kept = {k: _done(runs / f"{point.name}.json", needed) for k, point in enumerate(points)}
     rows = {k: row for k, row in kept.items() if row}
+    twins: dict[str, list[int]] = {}  # points of one name are one run
+    for k, point in enumerate(points):
+        if k not in rows:
+            twins.setdefault(point.name, []).append(k)
     waiting = {
         executor.submit(
             run_point,
@@ -267,17 +271,19 @@ def _sweep(points, case_folder, folder, executor, watch, uncertainty):
             str(case_folder),
             str((runs / f"{p.name}.h5").resolve()),
             *([True] if uncertainty else []),
-        ): k
-        for k, p in enumerate(points)
-        if k not in rows
+        ): own
+        for own in twins.values()
+        for p in [points[own[0]]]
     }
     for future in as_completed(waiting):
-        k = waiting[future]
-        rows[k] = _row(future)
+        own = waiting[future]
+        row = _row(future)
+        rows |= dict.fromkeys(own, row)
         with writing(table):
-            write_whole(runs / f"{points[k].name}.json", json.dumps(rows[k]).encode())
+            write_whole(runs / f"{points[own[0]].name}.json", json.dumps(row).encode())
             write_table([_record(points[n], rows[n]) for n in sorted(rows)], table)
-        watch(points[k].values | rows[k], len(rows), len(points))
+        for done, k in enumerate(own, len(rows) - len(own) + 1):
+            watch(points[k].values | row, done, len(points))
     records = [_record(point, rows[k]) for k, point in enumerate(points)]
     with writing(table):
         write_table(records, table)

@@ -66,6 +66,17 @@ def test_failures_are_rows_and_a_second_start_tries_them_again(tree, tmp_path):
     assert (first.asked, again.asked) == (3, 2)
 
 
+def test_points_of_one_case_are_one_run_with_a_row_each(tree, tmp_path):
+    """A label does not affect the results, and two processes cannot write one file."""
+    axes = [parse_axis(text, tree) for text in ("crank_speed=1000rpm;1500rpm", "label=a;b")]
+    points, executor, seen = all_points(PATH, [], axes), Answering(), []
+    watch = lambda row, done, total: seen.append((row["label"], done, total))  # noqa: E731
+    rows = sweep(points, PATH.parent, tmp_path, executor, watch)
+    assert executor.asked == 2
+    assert [(row["label"], row["status"]) for row in rows] == [("a", "done"), ("b", "done")] * 2
+    assert sorted(done for _, done, _ in seen) == [1, 2, 3, 4]
+
+
 class Here(Executor):
     """Runs in this process."""
 
