@@ -8,6 +8,7 @@ from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.engine.answer import worst_check
 from piston_cosim.master.engine.measures import directions
 from piston_cosim.master.engine.verdicts import Verdict
+from piston_cosim.master.fmi.quantities import numbers_text
 from piston_cosim.master.results.sweep_page import SweptPoint, write_sweep_page
 
 
@@ -234,11 +235,14 @@ def test_each_row_has_its_worst_check_and_the_uncertainties(browser, tmp_path):
         "✕ fail: grid, mass balance",
         "105.022 (does not converge with the grid)",
     ]
-    read = browser.run("""const output = { values: [2.1714, 12345, 0.5, 7, 2e-10, 2.8e-5],
-        uncertainties: [0.0814, 1534, 0.148, 0, 4e-7, 1.64e-5] };
-      return [0, 1, 2, 3, 4, 5].map(design => reading(output, design));""")
+    read = browser.run("""const output = {
+        values: [2.1714, 12345, 0.5, 7, 2e-10, 2.8e-5, 3.02, 542],
+        uncertainties: [0.0814, 1534, 0.148, 0, 4e-7, 1.64e-5, 2.43, 458] };
+      return output.values.map((_, design) => reading(output, design));""")
     large = "2.17 ± 0.08", "12300 ± 1500", "0.50 ± 0.15"
-    assert read == [*large, "7", "0 ± 4e-7", "2.8e-5 ± 1.6e-5"]
+    as_terminal = [numbers_text(*one).replace("+-", "±") for one in ((3.02, 2.43), (542.0, 458.0))]
+    assert as_terminal == ["3.0 ± 2.4", "540 ± 460"]
+    assert read == [*large, "7", "0 ± 4e-7", "2.8e-5 ± 1.6e-5", *as_terminal]
 
 
 def test_a_point_without_checks_says_so_and_constant_inputs_are_drawn(browser, tmp_path):

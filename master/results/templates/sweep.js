@@ -29,13 +29,18 @@ const textAt = (input, value) => input.texts[input.values.indexOf(value)];
 // largest number of decimals; smaller values have an exponent
 const FIXED = 5;
 
+// leading digits of an uncertainty up to which it has two digits, as in the terminal
+const TWO_DIGITS = 3.55;
+
 // a value of an output with its uncertainty, which has one or two digits; 0 if no digit remains
 function reading(output, design) {
   const value = output.values[design], error = output.uncertainties[design], text = digitsWithin(output.values)(value);
   if (!output.uncertainties.length) return text;
   if (typeof error !== "number") return `${text} (${error || "uncertainty unknown"})`;
   if (!error) return text;
-  const last = Math.floor(Math.log10(error)) - (error / 10 ** Math.floor(Math.log10(error)) < 2 ? 1 : 0);
+  const power = Math.floor(Math.log10(error)), tails = own => Math.round(Math.abs(own) / 10 ** last);
+  let last = power - (error / 10 ** power < TWO_DIGITS ? 1 : 0);
+  if (error < Math.abs(value) && tails(error) === tails(value)) last -= 1;  // a clear value differs
   const unit = 10 ** last;
   const tailed = own => {
     const rounded = Math.round(own / unit);
