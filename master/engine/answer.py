@@ -18,7 +18,7 @@ ENDS, RANGE = ("minimum", "maximum"), " to "
 LINES = (
     ("minimum film", "films", ["minimum_film_thickness_m"], ""),
     ("maximum pressure", "films", ["maximum_pressure_pa"], ""),
-    ("pressure peak", "films", ["peak_distance_rad"], "; "),
+    ("pressure peak", "films", ["peak_distance_"], "; "),
     ("friction", "", ["mean_friction_power_w", "friction_mean_effective_pressure_pa"], ", "),
     ("asperity contact", "films", ["contact_share", "contact_area"], ", "),
     ("side force", "bodies", ["side_force_n", "side_force_demand_n"], "; "),
@@ -27,7 +27,7 @@ LINES = (
     ("rocking angle", "bodies", [f"{end}_rocking_angle_rad" for end in ENDS], RANGE),
     ("oil", "films", ["oil_throughput_m3"], ""),
 )
-"""Name of a line, whose participants have one, its measures, and the text between them.
+"""Name of a line, whose participants have one, how its measures begin, and the text between them.
 
 A line of "" is about all participants.
 """
@@ -71,7 +71,9 @@ def headlines(table: Measures) -> dict[str, str]:
     found = {}
     for name, kind, keys, between in LINES:
         for owner in owners[kind]:
-            known = [one for one in table.all if one.owner == owner and one.key in keys]
+            known = [
+                one for one in table.all if one.owner == owner and one.key.startswith(tuple(keys))
+            ]
             alone = len(owners[kind]) == 1
             said = in_one_unit(known) if between == RANGE else between.join(m.text for m in known)
             found[name if alone else f"{name}, {owner}"] = said

@@ -3,6 +3,7 @@
 Every value refers to the last period of the run. A measure is omitted if the run lacks its outputs.
 """
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
@@ -316,7 +317,8 @@ def _peaks(run, film) -> Iterator[Measure]:
             )
         label = f"distance of the pressure peak from the {peak.side} line"
         value = float(np.radians(peak.distance))
-        yield Measure("peak_distance_rad", label, value, "rad", film, shown=shown)
+        side = re.sub(r"\W+", "_", peak.side)
+        yield Measure(f"peak_distance_{side}_rad", label, value, "rad", film, shown=shown)
 
 
 def _of_friction(run: _Run) -> Iterator[Measure]:

@@ -166,6 +166,7 @@ FRONT = {
 def test_the_front_page_shows_the_numbers_of_the_run(columns, flexible, rigid):
     case = check_case(flexible.case, ROOT / "models/numerical_example")
     both = [measures(case, results) for results in (flexible, rigid)]
+    assert all(len({one.name for one in table.all}) == len(table.all) for table in both)
     shown = {"position of the pressure peak": [columns["highest film pressure"][0][1:], []]}
     for row, (key, owner, factor) in FRONT.items():
         found = [one.of(key, owner) for one in both]
