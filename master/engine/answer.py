@@ -27,7 +27,7 @@ LINES = (
     ("rocking angle", "bodies", [f"{end}_rocking_angle_rad" for end in ENDS], RANGE),
     ("oil", "films", ["oil_throughput_m3"], ""),
 )
-"""Name of a line, whose participants have one, how its measures begin, and the text between them.
+"""Name of a line, its participants, the beginnings of its measures' keys, and the text between.
 
 A line of "" is about all participants.
 """
