@@ -133,10 +133,12 @@ def limit_plays(
 ) -> None:
     """Bound what each play passes on if a film stopped it within the step, Eq. (N7).
 
-    `plays` are the first coordinates of all, -1 for none.
+    `plays` are the first coordinates of those of all films, -1 for none. Films that share a play
+    follow each other.
     """
+    last = -1
     for play in plays:
-        if play >= 0:
+        if play >= 0 and play != last:
             pair = slice(play, play + 2)
             limit_memory(
                 UNIT,
@@ -145,3 +147,4 @@ def limit_plays(
                 auxiliary[pair],
                 step,
             )
+        last = play

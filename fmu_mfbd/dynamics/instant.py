@@ -10,7 +10,7 @@ import numpy as np
 from ...master.fmi.compiled import compilable, compiled
 from ..geometry.film import FilmForces, NodalForces
 from ..geometry.pin import PinForces
-from ..mechanism.chain import Chain, Loads
+from ..mechanism.chain import BLOCK, Chain, Loads
 from ..mechanism.cylinder import BODY, EYE, film_of, floats, piston_of
 from ..mechanism.equations import friction_at
 from ..mechanism.laws import between, from_block, law_power
@@ -146,7 +146,7 @@ def end_of_step(
     piston = rigid_piston(of)
     longest = longest_step(piston, before, kept, carried, c.step, of.resolution)
     limit_memory(piston, before, kept, carried, c.step)
-    limit_plays(chain.joints.play, before, kept, carried, c.step)
+    limit_plays(chain.elements.play, before, kept, carried, c.step)
 
     last = piston_of(chain)
     axial = AxialMotion(at.position[last, Y], at.velocity[last, Y])
@@ -231,7 +231,7 @@ def _on_block(chain, load, loads, on_block, on_slopes, lever):
     from_walls[Y] += on_slopes
     force = block_force(load, from_walls, on_block)
     x, y = force.main_bearing_force_x, force.main_bearing_force_y
-    film = film_of(chain, BODY.crank)
+    film = film_of(chain, BLOCK)
     if film >= 0:
         x, y = -loads.wrench[film, X], on_slopes - loads.wrench[film, Y]
     moment = force.moment_on_block - on_slopes * lever  # Eq. (D70)

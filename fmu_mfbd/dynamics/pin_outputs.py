@@ -6,7 +6,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.surfaces import pins_of
-from ..mechanism.chain import NONE, Loads
+from ..mechanism.chain import BLOCK, NONE, Loads
 from ..mechanism.cylinder import BODY, EYE, PIN, film_of, floats
 from ..mechanism.laws import between
 from ..mechanism.loads import REACTION
@@ -93,7 +93,7 @@ def pin_scalars(
     """
     if pins_of(of.pin_surfaces) == 0:
         return NO_PIN
-    position, play = now.position, of.chain.joints.play
+    position, elements = now.position, of.chain.elements
     tilt, sag = np.zeros(2), np.zeros(2)
     in_eye, spin, spinning = NONE, 0.0, 0.0
     boss, small_end = np.zeros(2), np.zeros(2)
@@ -105,7 +105,7 @@ def pin_scalars(
         for way in range(2):
             tilt[way] += of.shapes.slope[k] * bent[k, way]
             sag[way] += of.shapes.sag[k] * bent[k, way]
-    in_big_end, in_main = film_of(of.chain, BODY.rod), film_of(of.chain, BODY.crank)
+    in_big_end, in_main = film_of(of.chain, BODY.rod), film_of(of.chain, BLOCK)
     eye, big_end, main_bearing = (
         _wrench_of(loads, in_eye),
         _wrench_of(loads, in_big_end),
@@ -120,8 +120,8 @@ def pin_scalars(
     wider = _widened(widening, in_eye)
     wider_end = _widened(widening, in_big_end)
     wider_main = _widened(widening, in_main)
-    crank_pin = play_at(play[BODY.rod], position)
-    journal = play_at(play[BODY.crank], position)
+    crank_pin = play_at(elements.play[in_big_end] if in_big_end >= 0 else NONE, position)
+    journal = play_at(elements.play[in_main] if in_main >= 0 else NONE, position)
     return PinScalars(
         pin_displacement_x=boss[0],
         pin_displacement_y=boss[1],

@@ -1,13 +1,14 @@
 """Open chains of rigid and reduced bodies: motion, residual and exact tangent of any of them.
 
-chain      bodies, joints and force elements as tables
-angles     how the angle of each body follows: one branch for each kind (K, D)
-motion     motion of all bodies, from the block outwards (K)
-inertia    forces that this motion needs (D)
-loads      loads from forces that turn with a body (D)
-laws       forces that depend on the motion of two bodies, and their derivative (D)
-equations  residual (D)
-derivative its tangent (D)
-solution   accelerations that fulfil the equations (N)
-cylinder   the chain of a piston with its pin, tied or floating, rod and crank (K)
+chain        bodies, joints and force elements as tables
+translations how each joint moves its body: play, slider, guide (K, D)
+angles       how the angle of each body follows: one branch for each kind (K, D)
+motion       motion of all bodies, from the block outwards (K)
+inertia      forces that this motion needs (D)
+loads        loads from forces that turn with a body (D)
+laws         forces that depend on the motion of two bodies, and their derivative (D)
+equations    residual (D)
+derivative   its tangent (D)
+solution     accelerations that fulfil the equations (N)
+cylinder     the chain of a piston with its pin, tied or floating, rod and crank (K)
 """

@@ -8,19 +8,22 @@ motion, derivative of the motion, row of the residual, derivative of the row.
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.floating_frame import TURN, X
+from ..dynamics.floating_frame import TURN, X, Y
+from .chain import IN_PARENT
+from .translations import sliding_of, way_of
 
 
 @compilable
 def put_angle(joints, b, now, drive, at):
     """Write the angle of body b and its rates into the motion `at`, which has those of its origin.
 
-    Eq. (K42):  sin chi = (x - x_T)/L,   chi' = (x' - x_T')/(L cos chi)
-                chi'' = (x'' - x_T'' + L sin chi chi'^2)/(L cos chi)
+    Eq. (K42):  x + (R h)_x = x_T,   R = R(chi),   h the rod's tip with its slides u
+                chi' = (x' - x_T' + (R u')_x)/(R h)_y
+                chi'' = (x'' - x_T'' + (R u'')_x - 2 chi' (R u')_y - chi'^2 (R h)_x)/(R h)_y
                 of a rod with its origin at x and its tip at x_T, linear in the coordinates
     """
-    length = joints.rod_length[b]
-    if length == 0.0:
+    held = joints.held[b]
+    if held < 0:
         angle = joints.driven[b] * drive.angle
         at.velocity[b, TURN] = joints.driven[b] * drive.speed
         at.acceleration[b, TURN] = joints.driven[b] * drive.acceleration
@@ -37,37 +40,51 @@ def put_angle(joints, b, now, drive, at):
         v += joints.tip[b, j] * now.velocity[j]
         a += joints.tip[b, j] * now.acceleration[j]
     # Eq. (K42)
-    sine = (at.position[b, X] - x) / length
+    own = sliding_of(joints, held, IN_PARENT, now)
+    across, length = joints.marker[held, X] + own.x, joints.marker[held, Y] + own.y
+    reach = np.sqrt(length * length + across * across)
+    c, s = length / reach, across / reach
+    sine = (at.position[b, X] - x) / reach
     cosine = np.sqrt(1 - sine * sine)
-    w = (at.velocity[b, X] - v) / (length * cosine)
+    cosine, sine = c * cosine - s * sine, c * sine + s * cosine
+    arm_x, arm_y = cosine * across - sine * length, sine * across + cosine * length
+    vx, vy = cosine * own.vx - sine * own.vy, sine * own.vx + cosine * own.vy
+    w = (at.velocity[b, X] - v + vx) / arm_y
     at.axes[b, 0], at.axes[b, 1] = cosine, sine
     at.velocity[b, TURN] = w
-    at.acceleration[b, TURN] = (at.acceleration[b, X] - a + length * sine * w * w) / (
-        length * cosine
-    )
+    sliding = cosine * own.ax - sine * own.ay - 2 * w * vy
+    at.acceleration[b, TURN] = (at.acceleration[b, X] - a - arm_x * w * w + sliding) / arm_y
 
 
 @compilable
 def put_angle_changes(joints, b, at, by, d):
     """Write the change of the angle of body b with all unknowns of joints into `d`."""
-    k = joints.angle[b]
-    if joints.rod_length[b] == 0.0:
+    k, held = joints.angle[b], joints.held[b]
+    if held < 0:
         if k >= 0:
             d.position[b, TURN, k] = by.position[k]
             d.velocity[b, TURN, k] = by.velocity[k]
             d.acceleration[b, TURN, k] = by.acceleration[k]
         return
-    along, aside = joints.rod_length[b] * at.axes[b, 0], joints.rod_length[b] * at.axes[b, 1]
+    along, aside = at.arm[held, Y], -at.arm[held, X]
     w, alpha = at.velocity[b, TURN], at.acceleration[b, TURN]
+    vx, vy, _, ay = at.sliding[held]
     for j in range(joints.tip.shape[1]):
         # Eq. (K42)
-        tip = joints.tip[b, j]
-        t = (d.position[b, X, j] - tip * by.position[j]) / along
-        dw = (d.velocity[b, X, j] - tip * by.velocity[j] + w * aside * t) / along
-        da = d.acceleration[b, X, j] - tip * by.acceleration[j] + 2 * aside * w * dw
+        tip, ex, ey = joints.tip[b, j], 0.0, 0.0
+        for i in range(joints.first_slide[held], joints.first_slide[held + 1]):
+            if joints.slide[i] == j and joints.turns[i] == IN_PARENT:
+                ex, ey = way_of(joints, i, b, at)
+        dx, dv, da = (ex - tip) * by.position[j], (ex - tip) * by.velocity[j], 0.0
+        t = (d.position[b, X, j] + dx) / along
+        longer = ey * by.position[j] - aside * t
+        dw = (d.velocity[b, X, j] + dv - w * longer - vy * t) / along
+        further = ex * by.position[j] - along * t
+        da = d.acceleration[b, X, j] + (ex - tip) * by.acceleration[j] + 2 * aside * w * dw
+        da -= 2 * (dw * vy + w * (t * vx + ey * by.velocity[j])) + t * ay
         d.position[b, TURN, j] = t
         d.velocity[b, TURN, j] = dw
-        d.acceleration[b, TURN, j] = (da + (along * w * w + alpha * aside) * t) / along
+        d.acceleration[b, TURN, j] = (da - w * w * further - alpha * longer) / along
 
 
 @compilable
@@ -76,10 +93,15 @@ def add_angle_row(joints, b, at, moment, force, residual):
 
     A rod is held at its tip: the force there is added to `force` of the rod.
     """
-    if joints.rod_length[b] > 0.0:
-        push = moment / (joints.rod_length[b] * at.axes[b, 0])
+    held = joints.held[b]
+    if held >= 0:
+        push = moment / at.arm[held, Y]
         for j in range(joints.tip.shape[1]):
             residual[j] -= joints.tip[b, j] * push
+        for k in range(joints.first_slide[held], joints.first_slide[held + 1]):
+            if joints.turns[k] == IN_PARENT:
+                x, _ = way_of(joints, k, b, at)
+                residual[joints.slide[k]] += x * push
         force[b, X] += push
         return 0.0
     if joints.angle[b] >= 0:
@@ -88,24 +110,11 @@ def add_angle_row(joints, b, at, moment, force, residual):
 
 
 @compilable
-def add_angle_row_changes(joints, b, at, force, d, change, top, torque):
+def add_angle_row_changes(joints, b, at, force, by, d, change, top, torque):
     """Add the derivative of `add_angle_row` to that of the rows, `top`, and of the torque."""
     columns = change.shape[2]
-    if joints.rod_length[b] > 0.0:
-        along = joints.rod_length[b] * at.axes[b, 0]
-        by_turn = force[b, TURN] * at.axes[b, 1] / (along * at.axes[b, 0])
-        push = np.empty(columns)
-        for j in range(columns):
-            push[j] = change[b, TURN, j] / along
-        for j in range(d.position.shape[2]):
-            push[j] += by_turn * d.position[b, TURN, j]
-        for j in range(columns):
-            change[b, X, j] += push[j]
-        for i in range(joints.tip.shape[1]):
-            tip = joints.tip[b, i]
-            if tip != 0.0:
-                for j in range(columns):
-                    top[i, j] -= tip * push[j]
+    if joints.held[b] >= 0:
+        _add_tip_changes(joints, b, at, force, by, d, change, top)
         return
     if joints.driven[b] != 0.0:
         for j in range(columns):
@@ -114,3 +123,34 @@ def add_angle_row_changes(joints, b, at, force, d, change, top, torque):
     if i >= 0:
         for j in range(columns):
             top[i, j] += change[b, TURN, j]
+
+
+@compilable
+def _add_tip_changes(joints, b, at, force, by, d, change, top):
+    """Add the derivative of the force that holds the tip of a rod."""
+    columns, held = change.shape[2], joints.held[b]
+    along, push = at.arm[held, Y], np.empty(change.shape[2])
+    by_length = force[b, TURN] / (along * along)
+    for j in range(columns):
+        push[j] = change[b, TURN, j] / along
+    for j in range(d.position.shape[2]):
+        push[j] -= by_length * at.arm[held, X] * d.position[b, TURN, j]
+    for k in range(joints.first_slide[held], joints.first_slide[held + 1]):
+        if joints.turns[k] == IN_PARENT and joints.slide[k] < columns:
+            _, y = way_of(joints, k, b, at)
+            push[joints.slide[k]] -= by_length * y * by.position[joints.slide[k]]
+    for j in range(columns):
+        change[b, X, j] += push[j]
+    for i in range(joints.tip.shape[1]):
+        tip = joints.tip[b, i]
+        if tip != 0.0:
+            for j in range(columns):
+                top[i, j] -= tip * push[j]
+    for k in range(joints.first_slide[held], joints.first_slide[held + 1]):
+        if joints.turns[k] == IN_PARENT:
+            i = joints.slide[k]
+            x, y = way_of(joints, k, b, at)
+            for j in range(columns):
+                top[i, j] += x * push[j]
+            for j in range(d.position.shape[2]):
+                top[i, j] -= y * force[b, TURN] / along * d.position[b, TURN, j]

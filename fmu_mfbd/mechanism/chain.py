@@ -1,18 +1,20 @@
 """A chain of bodies as tables: what hangs where, its inertia, and the forces between its bodies.
 
-Each body hangs on one before it, or on the block, by a joint. A joint is tied or has a play of two
-coordinates. The angle of a body is driven, a coordinate, their sum, or that of a rod that swings.
+Each body hangs on one before it, or on the block, by a joint. A joint is tied or slides along
+directions, each with a coordinate: two for the play in a film. The angle of a body is driven, a
+coordinate, their sum, or that of a rod that swings.
 Films, gas and springs close no loop: they are forces between two bodies.
 
 All tables are arrays over bodies or force elements. Code that is compiled for one chain serves
 every other, and `master.fmi.block.flatten` packs a chain into one row of memory.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from ...master.fmi.compiled import compilable
 from ..dynamics.floating_frame import FlexibleBody
 from ..dynamics.modal_damping import ModalSprings
 from ..dynamics.pin_friction import PinFriction
@@ -23,6 +25,9 @@ BLOCK = -1
 
 NONE = -1
 """Number of a coordinate that does not exist."""
+
+IN_BLOCK, IN_PARENT = 0, 1
+"""Axes of a slide, see `Joints.turns`."""
 
 NO_MOUNTS = np.zeros((3, 3, 3))
 NO_SPRINGS = ModalSprings(np.zeros(0), np.zeros(0))
@@ -73,31 +78,42 @@ class Bodies(NamedTuple):
 
 
 class Joints(NamedTuple):
-    """Joints of n bodies with m coordinates; see `Link`.
+    """Joints of n bodies with m coordinates and t slides; see `Link` and `Slide`.
 
     Parameters
     ----------
-    parent, play, angle : ndarray, shape (n,)
-        Numbers of a body, of two coordinates and of one.
+    parent, angle : ndarray, shape (n,)
+        Numbers of a body and of a coordinate.
+    first_slide : ndarray, shape (n + 1,)
+        First slide of each joint, and their number.
+    slide, turns : ndarray, shape (t,)
+        Coordinate of each slide, and `IN_PARENT` if its direction turns with the parent, else
+        `IN_BLOCK`.
+    way : ndarray, shape (t, 2)
+        Direction [-].
     marker : ndarray, shape (n, 2)
         [m]
-    sign, driven : ndarray, shape (n,)
+    driven : ndarray, shape (n,)
         [-]
-    rod_length, offset : ndarray, shape (n,)
-        [m], length 0 unless the body is a rod that swings.
+    held : ndarray, shape (n,)
+        Number of the body at the tip of a rod that swings, `NONE` of any other body.
+    offset : ndarray, shape (n,)
+        x of the tip if all coordinates are 0 [m].
     tip : ndarray, shape (n, m)
-        [-]
+        Factor of each coordinate in x of the tip [-].
     friction : ndarray, shape (n, 3)
         A `PinFriction` of each.
     """
 
     parent: Numbers
-    play: Numbers
     angle: Numbers
+    first_slide: Numbers
+    slide: Numbers
+    turns: Numbers
+    way: Matrix
     marker: Matrix
-    sign: Vector
     driven: Vector
-    rod_length: Vector
+    held: Numbers
     offset: Vector
     tip: Matrix
     friction: Matrix
@@ -209,6 +225,35 @@ class Loads(NamedTuple):
 # ---- construction by name
 
 
+class Slide(NamedTuple):
+    """A direction along which a body moves in its joint.
+
+    Parameters
+    ----------
+    coordinate : int
+        Displacement of the body along it, for a direction of length 1 [m].
+    way : tuple of float
+        Direction [-].
+    turns : int
+        `IN_PARENT` if the direction turns with the parent, `IN_BLOCK` if it does not.
+    """
+
+    coordinate: int
+    way: tuple[float, float]
+    turns: int = IN_BLOCK
+
+
+def play(first: int, sign: float = 1.0) -> tuple[Slide, ...]:
+    """Return the slides of a joint with a film: two coordinates from `first` on, none if `NONE`.
+
+    The coordinates are the position of the body in the joint in the block's axes, or, with the sign
+    -1, that of the joint in the body.
+    """
+    if first < 0:
+        return ()
+    return Slide(first, (sign, 0.0)), Slide(first + 1, (0.0, sign))
+
+
 class Link(NamedTuple):
     """A body and its joint.
 
@@ -220,22 +265,19 @@ class Link(NamedTuple):
         Number of the body that it hangs on, or `BLOCK`.
     marker : tuple of float
         Position of the joint in the parent's axes [m].
-    play : int
-        First of two coordinates, position of the body in the joint in the block's axes [m]. Tied if
-        `NONE`.
-    sign : float
-        1, or -1 if the coordinates are the position of the joint relative to the body.
+    slides : tuple of Slide
+        Tied if empty.
     angle : int
         Coordinate of the body's angle [rad]; bodies may share one.
     driven : bool
         Whether the drive's angle is added to it.
-    rod_length : float
-        Length of a rod that swings, 0 of any other body [m]. It points along its own y, within 90
-        deg of that of the block, and its angle follows from x of its tip.
-    tip : mapping
-        x of the tip: factor of each coordinate [-].
+    swings : bool
+        Whether its angle follows from x of its tip, the joint of the first body that hangs on it.
+        The tip is within 90 deg of y of the block.
+    guide : int
+        Coordinate of x of the origin of a body that hangs on a rod that swings, or on a body on it.
     offset : float
-        x of the tip if all coordinates are 0 [m].
+        x of the origin of a guided body if this coordinate is 0 [m].
     friction : PinFriction
         Of the joint of a body that is no rod that swings.
     """
@@ -243,12 +285,11 @@ class Link(NamedTuple):
     body: FlexibleBody
     parent: int
     marker: tuple[float, float] = (0.0, 0.0)
-    play: int = NONE
-    sign: float = 1.0
+    slides: tuple[Slide, ...] = ()
     angle: int = NONE
     driven: bool = False
-    rod_length: float = 0.0
-    tip: Mapping[int, float] = {}
+    swings: bool = False
+    guide: int = NONE
     offset: float = 0.0
     friction: PinFriction = SMOOTH
 
@@ -297,6 +338,29 @@ NUMBERS = ("acts", "reacts", "carrier", "axes", "play", "mode", "modes", "shape"
 """Members of `Element` that are whole numbers."""
 
 
+@compilable
+def put_tips(joints: Joints, guide: np.ndarray) -> None:
+    """Write the x of the tips of all rods that swing; `guide` is a coordinate of each body.
+
+    Eq. (K66):  x_T = x_G - sum v_x      v the slides of all joints from the tip to the guided body
+                                         G, in the block's axes
+    """
+    for g in range(len(guide)):
+        b = g if guide[g] >= 0 else NONE
+        row = np.zeros(joints.tip.shape[1])
+        while b >= 0:
+            for k in range(joints.first_slide[b], joints.first_slide[b + 1]):
+                if joints.turns[k] == IN_BLOCK:
+                    row[joints.slide[k]] -= joints.way[k, 0]  # Eq. (K66)
+            p = joints.parent[b]
+            if p >= 0 and joints.held[p] == b:
+                row[guide[g]] += 1.0
+                joints.tip[p, :] = row
+                joints.offset[p] = joints.offset[g]
+                break
+            b = p
+
+
 def stack_bodies(bodies: Sequence[FlexibleBody], springs: ModalSprings = NO_SPRINGS) -> Bodies:
     """Return the tables of bodies and of modes with the inertia of their own motion alone."""
     modes = [len(body.stiffness) for body in bodies]
@@ -339,12 +403,15 @@ def chain_of(
     for k, link in enumerate(links):
         if not BLOCK <= link.parent < k:
             faults.append(f"link {k}: expected a parent from -1 to {k - 1}, got {link.parent}")
-        for name, first, size in (("play", link.play, 2), ("angle", link.angle, 1)):
-            if not NONE <= first <= coordinates - size:
-                last = coordinates - size
-                faults.append(f"link {k}: expected {name} from -1 to {last}, got {first}")
-        if (link.rod_length > 0.0) != bool(link.tip) or (link.tip and link.angle != NONE):
-            faults.append(f"link {k}: expected a length and a tip of a rod, which has no angle")
+        numbers = [("slide", one.coordinate, 0) for one in link.slides]
+        numbers += [("angle", link.angle, NONE), ("guide", link.guide, NONE)]
+        for name, number, least in numbers:
+            if not least <= number < coordinates:
+                span = f"from {least} to {coordinates - 1}"
+                faults.append(f"link {k}: expected {name} {span}, got {number}")
+        hanging = [one for one in links if one.parent == k]
+        if link.swings and (link.angle != NONE or not hanging):
+            faults.append(f"link {k}: expected a body on a rod that swings, and no angle of it")
     for k, element in enumerate(elements):
         numbers = element[:4]
         if min(numbers) < BLOCK or max(numbers) >= len(links) or element.acts == BLOCK:
@@ -358,13 +425,21 @@ def chain_of(
     def real(rows, name, shape=()):
         return np.array([getattr(row, name) for row in rows], dtype=float).reshape(-1, *shape)
 
-    tip = np.zeros((len(links), coordinates))
-    for row, link in zip(tip, links):
-        row[list(link.tip)] = list(link.tip.values())
-    numbers = {name: whole(links, name) for name in ("parent", "play", "angle")}
-    factors = {name: real(links, name) for name in ("sign", "driven", "rod_length", "offset")}
+    slides = [one for link in links for one in link.slides]
+    parents = [link.parent for link in links]
     pairs = {"marker": real(links, "marker", (2,)), "friction": real(links, "friction", (3,))}
-    joints = Joints(tip=tip, **pairs, **numbers, **factors)
+    joints = Joints(
+        first_slide=np.cumsum([0, *(len(link.slides) for link in links)], dtype=np.int64),
+        slide=whole(slides, "coordinate"),
+        turns=whole(slides, "turns"),
+        way=real(slides, "way", (2,)),
+        held=np.array([parents.index(k) if one.swings else NONE for k, one in enumerate(links)]),
+        tip=np.zeros((len(links), coordinates)),
+        **pairs,
+        **{name: whole(links, name) for name in ("parent", "angle")},
+        **{name: real(links, name) for name in ("driven", "offset")},
+    )
+    put_tips(joints, whole(links, "guide"))
     numbers = {name: whole(elements, name) for name in NUMBERS}
     points = {name: real(elements, name, (2,)) for name in ("marker", "point")}
     table = Elements(**numbers, **points, at_point=real(elements, "at_point"))

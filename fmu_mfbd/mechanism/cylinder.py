@@ -27,7 +27,7 @@ from ..dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from ..dynamics.quasi_static import StaticModes
 from ..dynamics.slider_crank import CrankMotion, Mechanism
 from ..geometry.pin import PIN_SURFACES
-from .chain import BLOCK, NONE, Bodies, Chain, Elements, Joints, Laws
+from .chain import BLOCK, IN_BLOCK, NONE, Bodies, Chain, Elements, Joints, Laws, put_tips
 from .derivative import chain_tangent
 from .equations import chain_forces
 from .loads import no_loads
@@ -149,8 +149,9 @@ def cylinder_chain(c: CylinderParts) -> Chain:
                 of the crank's journal O, its pin C and the rod's big end B: m from the main
                 bearing, b from the big end
     """
-    joints = _joints_of(c)
-    elements = _elements_of(c, joints)
+    plays = _plays_of(c)
+    joints = _joints_of(c, plays)
+    elements = _elements_of(c, plays, joints.tip.shape[1])
     laws = _put_laws(c, elements)
     return Chain(_bodies_of(c), joints, elements, laws, NONE, np.zeros((3, 3, 3)))
 
@@ -216,54 +217,79 @@ def _bodies_of(c):
 
 
 @compilable
-def _joints_of(c):
-    """Return the joints of crank, rod, pin and piston, each hangs on the one before it."""
-    n = _count(c)
-    piston = n - 1
-    parent, play, angle = np.full(n, BLOCK), np.full(n, NONE), np.full(n, NONE)
-    marker, sign, driven = np.zeros((n, 2)), np.ones(n), np.zeros(n)
-    length, offset = np.zeros(n), np.zeros(n)
-    for b in range(1, n):
-        parent[b] = b - 1
-    angle[piston] = ROCKING
+def _plays_of(c):
+    """Return the first coordinate of the play in the joint of each body, `NONE` if it is tied."""
+    out = np.full(_count(c), NONE)
     size = RIGID
     if c.floats:
-        play[piston], play[BODY.pin], angle[BODY.pin] = PIN.boss_x, PIN.eye_x, PIN.spin
+        out[BODY.pin + 1], out[BODY.pin] = PIN.boss_x, PIN.eye_x
         size = COORDINATES
     if c.big_end:
-        play[BODY.rod] = size
+        out[BODY.rod] = size
         size += 2
     if c.main_bearing:
-        play[BODY.crank] = size
-        size += 2
-    # Eqs. (K16), (K25)
-    sign[piston], sign[BODY.rod] = -1.0, -1.0
-    driven[BODY.crank] = 1.0
-    marker[BODY.rod, Y], marker[BODY.rod + 1, Y] = c.mechanism.crank_radius, c.mechanism.rod_length
-    length[BODY.rod], offset[BODY.rod] = c.mechanism.rod_length, c.mechanism.offset
-    tip = np.zeros((n, size))
-    tip[BODY.rod, LATERAL] = 1.0
-    friction = np.zeros((n, 3))
-    if c.floats:
-        tip[BODY.rod, PIN.boss_x], tip[BODY.rod, PIN.eye_x] = 1.0, -1.0
-    else:
-        put_pin_friction(friction[piston], c.mechanism.friction)
-    return Joints(
-        parent=parent,
-        play=play,
-        angle=angle,
-        marker=marker,
-        sign=sign,
-        driven=driven,
-        rod_length=length,
-        offset=offset,
-        tip=tip,
-        friction=friction,
-    )
+        out[BODY.crank] = size
+    return out
 
 
 @compilable
-def _elements_of(c, joints):
+def _joints_of(c, plays):
+    """Return the joints of crank, rod, pin and piston, each hangs on the one before it."""
+    n = _count(c)
+    piston = n - 1
+    parent, angle = np.full(n, BLOCK), np.full(n, NONE)
+    marker, driven, offset = np.zeros((n, 2)), np.zeros(n), np.zeros(n)
+    held, guide = np.full(n, NONE), np.full(n, NONE)
+    for b in range(1, n):
+        parent[b] = b - 1
+    angle[piston] = ROCKING
+    if c.floats:
+        angle[BODY.pin] = PIN.spin
+    driven[BODY.crank] = 1.0
+    marker[BODY.rod, Y], marker[BODY.rod + 1, Y] = c.mechanism.crank_radius, c.mechanism.rod_length
+    held[BODY.rod], guide[piston], offset[piston] = BODY.rod + 1, LATERAL, c.mechanism.offset
+    friction = np.zeros((n, 3))
+    if not c.floats:
+        put_pin_friction(friction[piston], c.mechanism.friction)
+    first, slide, way = _slides_of(plays)
+    size = RIGID + len(slide) + c.floats
+    out = Joints(
+        parent=parent,
+        angle=angle,
+        first_slide=first,
+        slide=slide,
+        turns=np.full(len(slide), IN_BLOCK),
+        way=way,
+        marker=marker,
+        driven=driven,
+        held=held,
+        offset=offset,
+        tip=np.zeros((n, size)),
+        friction=friction,
+    )
+    put_tips(out, guide)
+    return out
+
+
+@compilable
+def _slides_of(plays):
+    """Return the first slide of each joint, and coordinate and direction of all slides."""
+    n = len(plays)
+    first, slide, way = np.zeros(n + 1, np.int64), np.empty(2 * n, np.int64), np.zeros((2 * n, 2))
+    for b in range(n):
+        k = first[b]
+        first[b + 1] = k
+        if plays[b] >= 0:
+            # Eqs. (K16), (K25)
+            sign = -1.0 if b == n - 1 or b == BODY.rod else 1.0
+            slide[k], slide[k + 1] = plays[b], plays[b] + 1
+            way[k, X], way[k + 1, Y] = sign, sign
+            first[b + 1] = k + 2
+    return first, slide[: first[n]].copy(), way[: first[n]].copy()
+
+
+@compilable
+def _elements_of(c, plays, first):
     """Return the force elements: films in the order of their surfaces, skirt, gas, and laws."""
     of_pin, piston = EYE + 1 if c.floats else 0, _count(c) - 1
     films = of_pin + c.big_end + c.main_bearing
@@ -282,24 +308,22 @@ def _elements_of(c, joints):
         point=np.zeros((n, 2)),
         at_point=np.zeros(n),
     )
-    first, k = joints.tip.shape[1], len(c.piston.stiffness) + len(c.static.stiffness)
+    k = len(c.piston.stiffness) + len(c.static.stiffness)
     bent = first + k + c.block_modes
     eye = bent + 2 * c.shapes
     main = first + len(c.piston.stiffness) + len(c.springs.stiffness) - c.main_bearing_modes
     big_end = main - c.big_end_modes
     for e in range(films):
         if e < of_pin - 1:
-            _put_film(out, e, BODY.pin, piston, joints.play[piston], first, k)
+            _put_film(out, e, BODY.pin, piston, plays[piston], first, k)
         elif e == of_pin - 1:
-            _put_film(out, e, BODY.pin, BODY.rod, joints.play[BODY.pin], eye, big_end - eye)
+            _put_film(out, e, BODY.pin, BODY.rod, plays[BODY.pin], eye, big_end - eye)
             out.point[e, Y] = c.mechanism.rod_length
         elif e == of_pin and c.big_end:
-            _put_film(out, e, BODY.crank, BODY.rod, joints.play[BODY.rod], big_end, c.big_end_modes)
+            _put_film(out, e, BODY.crank, BODY.rod, plays[BODY.rod], big_end, c.big_end_modes)
             out.marker[e, Y] = c.mechanism.crank_radius
         else:
-            _put_film(
-                out, e, BODY.crank, BLOCK, joints.play[BODY.crank], main, c.main_bearing_modes
-            )
+            _put_film(out, e, BODY.crank, BLOCK, plays[BODY.crank], main, c.main_bearing_modes)
         if e < of_pin:
             out.shape[e], out.shapes[e] = bent, c.shapes
     out.carrier[films] = piston
@@ -350,15 +374,16 @@ def piston_of(chain: Chain) -> int:
 @compilable
 def floats(chain: Chain) -> bool:
     """Return whether the pin floats."""
-    return chain.joints.play[piston_of(chain)] >= 0
+    return piston_of(chain) > BODY.pin
 
 
 @compilable
-def film_of(chain: Chain, body: int) -> int:
-    """Return the number of the first film in the joint of a body, `NONE` if it has none."""
-    play = chain.joints.play[body]
-    for e in range(len(chain.elements.play)):
-        if play >= 0 and chain.elements.play[e] == play:
+def film_of(chain: Chain, shell: int) -> int:
+    """Return the number of the film of the crank in the rod or the block, `NONE` without it."""
+    elements = chain.elements
+    for e in range(len(elements.play)):
+        of_crank = elements.acts[e] == BODY.crank and elements.reacts[e] == shell
+        if of_crank and elements.play[e] >= 0:
             return e
     return NONE
 
@@ -372,9 +397,8 @@ def integrators(c: CylinderParts, chain: Chain) -> np.ndarray:
     """
     m = chain.joints.tip.shape[1]
     out = np.zeros(m + len(chain.bodies.stiffness))
-    for first in chain.joints.play:
-        for j in range(first, first + 2 if first >= 0 else first):
-            out[j] = BY_BDF2
+    for j in chain.joints.slide:
+        out[j] = BY_BDF2
     of_skirt = len(c.piston.stiffness) + len(c.static.stiffness) + c.block_modes
     for j in range(m if c.floats else m + of_skirt, len(out)):
         out[j] = BY_BDF2

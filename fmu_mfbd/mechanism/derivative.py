@@ -22,6 +22,7 @@ from .equations import (
 from .inertia import ALPHA, AX, AY, W, inertia_changes, shaken_forces
 from .laws import subtract_law_changes
 from .motion import Increments, MotionChanges, chain_motion, motion_changes
+from .translations import add_slide_row_changes
 
 
 class ChainDerivative(NamedTuple):
@@ -86,7 +87,7 @@ def chain_derivative(
     if len(loads.law_slopes) > 0:
         subtract_law_changes(chain, loads, at, d, change)
     _subtract_modal_changes(chain, loads, now, by, d, changes, total)
-    torque = _inward_changes(chain.joints, at, forces.joints, d, change, top)
+    torque = _inward_changes(chain.joints, at, forces.joints, by, d, change, top)
     for j in range(len(torque)):
         total[TURN, j] -= torque[j]
     if chain.block >= 0:
@@ -205,35 +206,18 @@ def _subtract_modal_changes(chain, loads, now, by, d, changes, total):
 
 
 @compilable
-def _inward_changes(joints, at, force, d, change, top):
+def _inward_changes(joints, at, force, by, d, change, top):
     """Add the derivative of the rows of all joints, and change the parents' forces.
 
     Returns the change of the drive's torque, (m + k,).
     """
-    n = len(joints.parent)
-    m, columns = d.position.shape[2], change.shape[2]
-    torque = np.zeros(columns)
-    for b in range(n - 1, -1, -1):
+    torque = np.zeros(change.shape[2])
+    for b in range(len(joints.parent) - 1, -1, -1):
         # Eq. (D61)
         if has_friction(joints.friction, b):
             _rub_changes(joints, at, force, b, d, change)
-        add_angle_row_changes(joints, b, at, force, d, change, top, torque)
-        i = joints.play[b]
-        if i >= 0:
-            for j in range(columns):
-                top[i, j] += joints.sign[b] * change[b, X, j]
-                top[i + 1, j] += joints.sign[b] * change[b, Y, j]
-        p = joints.parent[b]
-        if p >= 0:
-            x, y = at.arm[b, X], at.arm[b, Y]
-            outward = x * force[b, X] + y * force[b, Y]
-            for j in range(columns):
-                fx, fy = change[b, X, j], change[b, Y, j]
-                change[p, X, j] += fx
-                change[p, Y, j] += fy
-                change[p, TURN, j] += x * fy - y * fx
-            for j in range(m):
-                change[p, TURN, j] -= outward * d.position[p, TURN, j]
+        add_angle_row_changes(joints, b, at, force, by, d, change, top, torque)
+        add_slide_row_changes(joints, b, at, force, by, d, change, top)
     return torque
 
 
@@ -305,7 +289,9 @@ def pushed_forces(
     for b in range(n):
         for i in range(3):
             change[b, i, 0] += push[b, i]
-    (torque,) = _inward_changes(chain.joints, at, forces.joints, still, change, top)
+    none = np.zeros(m)
+    by = Increments(none, none, none)
+    (torque,) = _inward_changes(chain.joints, at, forces.joints, by, still, change, top)
     residual = np.empty(m + len(loads.modal))
     for j in range(m):
         residual[j] = top[j, 0]
@@ -341,5 +327,6 @@ def drive_inertia(chain: Chain, forces: ChainForces, now: Motion, drive: CrankMo
         for i in range(3):
             d.acceleration[b, i, 0] = rates[b, i]
     change = shaken_forces(chain.bodies, at, forces.inertia, d, np.zeros((4, 1))).wrench
-    (torque,) = _inward_changes(chain.joints, at, forces.joints, d, change, np.zeros((m, 1)))
+    by, top = Increments(none, none, none), np.zeros((m, 1))
+    (torque,) = _inward_changes(chain.joints, at, forces.joints, by, d, change, top)
     return torque

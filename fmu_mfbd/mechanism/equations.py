@@ -18,6 +18,7 @@ from .inertia import (
     inertia_forces,
 )
 from .motion import ChainMotion, chain_motion
+from .translations import add_slide_rows
 
 
 class ChainForces(NamedTuple):
@@ -192,15 +193,7 @@ def _inwards(joints, at, force, residual):
             if joints.parent[b] >= 0:
                 force[joints.parent[b], TURN] += rubbing
         torque += add_angle_row(joints, b, at, moment, force, residual)
-        first = joints.play[b]
-        if first >= 0:
-            residual[first] += joints.sign[b] * force[b, X]
-            residual[first + 1] += joints.sign[b] * force[b, Y]
-        p = joints.parent[b]
-        if p >= 0:
-            force[p, X] += force[b, X]
-            force[p, Y] += force[b, Y]
-            force[p, TURN] += at.arm[b, X] * force[b, Y] - at.arm[b, Y] * force[b, X]
+        add_slide_rows(joints, b, at, force, residual)
     return torque
 
 

@@ -79,7 +79,7 @@ class Linearisation(NamedTuple):
 def no_linearisation() -> Linearisation:
     """Return that of a system that has none."""
     table, row = np.zeros((0, 0)), np.zeros(0)
-    motion = ChainMotion(table, table, table, table, table)
+    motion = ChainMotion(table, table, table, table, table, table)
     inertia = InertiaForces(table, row, table, row, row, row, FIXED)
     forces = ChainForces(row, 0.0, row, table, motion, inertia)
     return Linearisation(forces, no_chain_factors(), table, np.zeros((0, 3, 6)))

@@ -10,13 +10,16 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.force_elements.element import BODIES
 from piston_cosim.fmu_mfbd.mechanism.chain import (
     BLOCK,
+    IN_PARENT,
     NO_MOUNTS,
     NONE,
     Chain,
     Element,
     Link,
     Loads,
+    Slide,
     chain_of,
+    play,
 )
 from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE, CylinderLaws, cylinder_chain
 from piston_cosim.fmu_mfbd.mechanism.solution import mode_coupling
@@ -36,6 +39,8 @@ MOUNTS = np.array(
 )
 GAS = 12e3
 SHAPES, SHELL_MODES = 2, 3
+SLIDES = (0.3, 0.9), (0.0, 1.0), (0.8, -0.2)
+"""Directions of a big end that slides on the crank, and of a small end that slides on the rod."""
 
 
 class Engine(NamedTuple):
@@ -86,16 +91,25 @@ def springs(modes):
     return ModalSprings(omega**2, 0.04 * omega)
 
 
-def engine(pistons, floating=False, crank_films=False, mounted=False, free=False, yields=False):
+def engine(
+    pistons,
+    floating=False,
+    crank_films=False,
+    mounted=False,
+    free=False,
+    yields=False,
+    slides=False,
+):
     """Return the engine of some flexible pistons, with their cranks evenly apart.
 
     Coordinates of each cylinder: x_A, rocking angle; with a floating pin pin from bosses, pin from
     eye (x, y), angle of the pin; with films of the crank crank pin from big end. Then journal from
     main bearing, x, y and angle of the block, and the lead of a free crank over its drive.
     If it yields, each pin has `SHAPES` shapes along both axes and each shell `SHELL_MODES` modes.
+    The last coordinates of each cylinder with slides are those of `SLIDES`.
     """
     m = MECHANISM
-    per = 2 + 5 * floating + 2 * crank_films
+    per = 2 + 5 * floating + 2 * crank_films + len(SLIDES) * slides
     journal = per * len(pistons) if crank_films else NONE
     block = per * len(pistons) + 2 * crank_films if mounted else NONE
     size = per * len(pistons) + 2 * crank_films + 3 * mounted + free
@@ -103,7 +117,7 @@ def engine(pistons, floating=False, crank_films=False, mounted=False, free=False
     about_end = m.rod_inertia + m.rod_mass * (m.rod_centre * m.rod_length) ** 2
     rod = rigid(m.rod_mass, m.rod_centre * m.rod_length, about_end)
     pin = rigid(m.pin_mass, 0.0, SPIN_INERTIA if floating else 0.0)
-    links = [Link(crank, BLOCK, play=journal, angle=size - 1 if free else NONE, driven=True)]
+    links = [Link(crank, BLOCK, (0.0, 0.0), play(journal), size - 1 if free else NONE, True)]
     elements, found = [], Engine(None, [], [], [], {})
 
     shapes, shells = (SHAPES, SHELL_MODES) if yields else (0, 0)
@@ -120,14 +134,17 @@ def engine(pistons, floating=False, crank_films=False, mounted=False, free=False
         x = per * k
         boss, eye, spin = (x + 2, x + 4, x + 6) if floating else (NONE, NONE, x + 1)
         big_end = x + per - 2 if crank_films else NONE
+        (to_crank, *to_rod) = ((Slide(x + 2 + i, way, IN_PARENT),) for i, way in enumerate(SLIDES))
+        in_crank, in_eye = play(big_end, -1.0), play(eye)
+        if slides:
+            in_crank, in_eye = to_crank, sum(to_rod, ())
         at = len(links)
         angle = 2 * np.pi * k / len(pistons)
         pin_of_crank = (-m.crank_radius * np.sin(angle), m.crank_radius * np.cos(angle))
-        tip = {x: 1.0, boss: 1.0, eye: -1.0} if floating else {x: 1.0}
         links += [
-            Link(rod, 0, pin_of_crank, big_end, -1.0, NONE, False, m.rod_length, tip, m.offset),
-            Link(pin, at, (0.0, m.rod_length), eye, 1.0, spin),
-            Link(piston, at + 1, (0.0, 0.0), boss, -1.0, x + 1),
+            Link(rod, 0, pin_of_crank, in_crank, swings=True),
+            Link(pin, at, (0.0, m.rod_length), in_eye, spin),
+            Link(piston, at + 1, slides=play(boss, -1.0), angle=x + 1, guide=x, offset=m.offset),
         ]
         first, modes = size + k * len(piston.stiffness), len(piston.stiffness)
         bent = size + of_pistons + k * of_each

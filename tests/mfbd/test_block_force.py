@@ -17,7 +17,8 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.pin_shells import play_at, shapes_of
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import turned
-from piston_cosim.fmu_mfbd.mechanism.cylinder import BODY, EYE
+from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK, NONE
+from piston_cosim.fmu_mfbd.mechanism.cylinder import BODY, EYE, film_of
 from piston_cosim.fmu_mfbd.mechanism.inertia import coupling_of
 
 from .pin_models import (
@@ -63,7 +64,8 @@ def all_momentum(model, position, velocity, crank):
     differences of positions. Modes of eye, big end and main bearing have no momentum (Eq. (D40)).
     """
     p, piston, chain = PARAMETERS, piston_of_tables(model.chain), model.chain
-    in_big_end, in_main = chain.joints.play[BODY.rod], chain.joints.play[BODY.crank]
+    play = [*chain.elements.play, NONE]  # the last one is that of no film
+    in_big_end, in_main = play[film_of(chain, BODY.rod)], play[film_of(chain, BLOCK)]
 
     def at(t):
         q = position + t * velocity

@@ -12,7 +12,7 @@ from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
-from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK, Link, chain_of
+from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK, Link, chain_of, play
 from piston_cosim.fmu_mfbd.mechanism.cylinder import motion_across
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_derivative
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
@@ -104,7 +104,7 @@ def test_frame_force_is_the_differentiated_lagrangian(lump):
     r, a = r * 10, a * 100
     scale = np.where(np.arange(3 + k) < 3, 1e-3, 1e-6)
     reference = lagrange(partial(kinetic_energy, points, M, modes), z, r, a, scale)
-    chain = chain_of([Link(body, BLOCK, play=0, angle=2)], coordinates=3)
+    chain = chain_of([Link(body, BLOCK, slides=play(0), angle=2)], coordinates=3)
     now, still = Motion(z, r, a), CrankMotion(0.0, 0.0, 0.0)
     force = chain_forces(chain, no_loads(chain), now, still, FIXED).residual
     force[3:] -= body.stiffness * z[3:]

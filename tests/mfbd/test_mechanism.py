@@ -8,7 +8,7 @@ import pytest
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
-from piston_cosim.fmu_mfbd.mechanism.chain import Element, Link, chain_of
+from piston_cosim.fmu_mfbd.mechanism.chain import IN_PARENT, Element, Link, chain_of, play
 from piston_cosim.fmu_mfbd.mechanism.cylinder import CylinderParts, cylinder_chain
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_tangent
 from piston_cosim.fmu_mfbd.mechanism.equations import block_motion, chain_forces, forces_at
@@ -52,7 +52,7 @@ DIGITS = 1e-13
 
 
 def motion(built, seed=1):
-    """Return a motion of deviations of micrometres, with pistons that slap."""
+    """Return a motion of micrometres, pistons that slap, and slides of millimetres."""
     rng = np.random.default_rng(seed)
     m = built.chain.joints.tip.shape[1]
     k = len(built.chain.bodies.stiffness)
@@ -61,6 +61,8 @@ def motion(built, seed=1):
         turn = built.chain.joints.angle[b]
         scales[:, turn - 1] = 3e-5, 0.05, 800.0
         scales[:, turn] = 2e-3, 3.0, 5e4
+    joints = built.chain.joints
+    scales[:, joints.slide[joints.turns == IN_PARENT]] = [[3e-3], [2.0], [900.0]]
     modal = np.repeat([[1e-6], [1e-2], [1e3]], k, axis=1)
     return Motion(*(np.hstack([scales, modal]) * rng.standard_normal((3, m + k))))
 
@@ -157,6 +159,7 @@ ENGINES = {
     "tied": lambda: tied(TWO[0]),
     "everything": lambda: engine(TWO[:1], True, True, True, True),
     "two cylinders": lambda: engine(TWO, True, True, True),
+    "slides": lambda: engine(TWO, mounted=True, free=True, slides=True),
 }
 YIELDING = {
     "yields": lambda: engine(TWO[:1], True, True, yields=True),
@@ -268,6 +271,16 @@ def test_forces_and_motion_agree_in_virtual_work(built):
 
 
 @each_engine
+def test_pistons_are_where_their_coordinates_say(built):
+    """x of A is its coordinate, with all plays and slides in between; 0.3 m have 5e-17 m."""
+    now = motion(built)
+    at = chain_motion(built.chain.joints, now, CRANK)
+    x = [now.position[built.chain.joints.angle[b] - 1] for b in built.pistons]
+    offset = MECHANISM.offset
+    np.testing.assert_allclose(at.position[built.pistons, 0] - offset, x, rtol=0, atol=2e-16)
+
+
+@each_engine
 def test_momentum_and_energy(built):
     """Forces on a block at rest and power of all rows are those of momentum and energy.
 
@@ -320,13 +333,14 @@ def test_momentum_and_energy(built):
 
 def test_a_chain_that_cannot_be_lists_all_faults():
     body = rigid(1.0)
-    links = [Link(body, 0), Link(body, 0, play=1, rod_length=0.2)]
+    links = [Link(body, 0), Link(body, 0, slides=play(1), swings=True, guide=2)]
     with pytest.raises(ValueError) as raised:
         chain_of(links, [Element(2)], coordinates=2)
     assert str(raised.value).splitlines() == [
         "link 0: expected a parent from -1 to -1, got 0",
-        "link 1: expected play from -1 to 0, got 1",
-        "link 1: expected a length and a tip of a rod, which has no angle",
+        "link 1: expected slide from 0 to 1, got 2",
+        "link 1: expected guide from -1 to 1, got 2",
+        "link 1: expected a body on a rod that swings, and no angle of it",
         "element 0: expected bodies below 2, got (2, -1, -1, -1)",
     ]
 
