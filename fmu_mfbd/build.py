@@ -149,6 +149,7 @@ def options_ahead(
         floating_pin=floating_pin(build),
         crank_bearings=crank_bearings(build),
         mounted=build.mounted,
+        slides=tuple(build.slides),
         in_space=InSpace(0.0, np.zeros((3, 3))) if build.motion_in_space else None,
     )
 

@@ -38,7 +38,7 @@ from .dynamics.drive import Scalars
 from .dynamics.element_laws import SWITCHES
 from .dynamics.generalised_alpha import coefficients
 from .dynamics.half_films import check_even, check_half
-from .dynamics.instant import of_bearings
+from .dynamics.instant import of_bearings, slides_at
 from .dynamics.model import MOTION
 from .dynamics.model_faults import body_faults
 from .dynamics.parameters import Parameters, Settings, settings_of
@@ -163,6 +163,7 @@ class VariablePlaces(NamedTuple):
     pins: FieldPlaces
     pins_tangent: FieldPlaces
     walls: WallPlaces
+    slides: Annotated[np.ndarray, "slides"]
 
 
 class NativeSetup(NamedTuple):
@@ -286,6 +287,7 @@ def _places(slave) -> VariablePlaces:
         pins=fields(pins, (*PIN_FORCES, *PIN_FILM)),
         pins_tangent=fields(pins, (*PIN_FORCES, *PIN_FILM), of_tangent),
         walls=wall_places(slave),
+        slides=each(slave.built.slides),
     )
 
 
@@ -337,9 +339,11 @@ def publish(real, integer, counts, places, model, result):
     first, last = modes_of(model)
     put_stacked(real, outputs.modal_coordinate, now.end.position[first:last])
     put_stacked(real, outputs.modal_velocity, now.kept.velocity[first:last])
-    chain = model.parts.chain
-    put_stacked(real, outputs.bearing_coordinate, of_bearings(model.parts, now.end.position))
-    put_stacked(real, outputs.bearing_velocity, of_bearings(model.parts, now.kept.velocity))
+    parts = model.parts
+    chain = parts.chain
+    put_stacked(real, outputs.bearing_coordinate, of_bearings(parts, now.end.position))
+    put_stacked(real, outputs.bearing_velocity, of_bearings(parts, now.kept.velocity))
+    put_each(real, places.slides, slides_at(parts, now.end.position, len(places.slides)))
     if floats(chain):
         eye = shell_modes_of(chain.elements, now.end.position, EYE)
         put_stacked(real, outputs.small_end_modal_coordinate, eye)

@@ -30,6 +30,7 @@ from .body_options import (
     either,
     missing_keys,
 )
+from .force_elements import SLIDES
 from .geometry.pin import CRANK_SURFACES, PIN_SURFACES
 from .geometry.pin_shapes import MOST
 from .temperature_options import Temperatures
@@ -300,6 +301,10 @@ class Common(BuildTable):
     """The block moves on mounts. Another participant provides block_acceleration_x and other
     inputs, and receives force_on_block_x and other outputs.
     """
+    slides: list[str] = []
+    """Displacements in joints that are tied otherwise, each an output of this name. Force elements
+    declare them.
+    """
 
     def contradictions(self) -> list[str]:
         """Return the faults of shells and film surfaces."""
@@ -309,7 +314,20 @@ class Common(BuildTable):
         for name, one in self.crank_films().items():
             if one.shell:
                 faults += shell_faults(f"{name}.shell.", one.shell.modes, one.grid)
-        return faults + self._faults_of_surfaces()
+        return faults + self._faults_of_surfaces() + self._faults_of_slides()
+
+    def _faults_of_slides(self) -> list[str]:
+        """Return the faults of slides that are unknown, or of joints with films."""
+        films = {"piston": "floating_pin", "rod": "big_end", "crank": "main_bearing"}
+        faults = []
+        if len({*self.slides}) < len(self.slides):
+            faults.append(f"slides: expected each once, got {', '.join(self.slides)}")
+        for name in self.slides:
+            if name not in SLIDES:
+                faults.append(f"slides: expected one of {', '.join(SLIDES) or 'none'}, got {name}")
+            elif getattr(self, film := films[SLIDES[name].acts]):
+                faults.append(f"slides: expected a joint without films, got {name} with {film}")
+        return faults
 
     def crank_films(self) -> dict[str, CrankBearing]:
         """Return the films of the crank, by surface."""
@@ -412,6 +430,7 @@ def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
         **build.crank_films(),
         "mounted": build.mounted,
         "start": build.start,
+        "slides": build.slides,
     }
     faults += [
         f"{name}: expected nothing with motion_in_space, got a value; {IN_SPACE}"

@@ -26,6 +26,7 @@ from .dynamics.parameters import (
 )
 from .dynamics.pin_outputs import PIN_OUTPUTS
 from .dynamics.space_model import SpaceScalars
+from .force_elements import SLIDES
 
 FORCES = ("nodal_pressure_force", "nodal_friction_force")
 FILM = ("film_thickness", "sliding_velocity")
@@ -244,6 +245,9 @@ def signals(options: BuildOptions) -> list[Variable]:
         absent = options.absent_parts()
         answers += [output_variable(*row) for row in PIN_OUTPUTS if not row[0].startswith(absent)]
     answers += of_modes(BearingOutputs, options.bearing_coordinates())
+    for name in options.slides:
+        joint = f"the {SLIDES[name].acts} in its joint on the {SLIDES[name].reacts}"
+        answers.append(output_variable(name, "m", f"Displacement of {joint}", 1e-3))
     if pin:
         answers += of_modes(EyeOutputs, pin.small_end_modes)
     film = "main_bearing" in options.crank_surfaces()  # which has outputs of these names

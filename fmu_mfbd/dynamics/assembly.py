@@ -8,7 +8,8 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ...master.fmi.symmetry import FILM_SYMMETRIES
-from ..geometry.arrays import Matrix
+from ..force_elements import SLIDES
+from ..geometry.arrays import Matrix, Numbers
 from ..geometry.film import FilmSurface, knot_rule
 from ..geometry.pin import PinSurface
 from ..geometry.pin_shapes import AxisShapes, beam_shapes, spin_inertia
@@ -28,7 +29,7 @@ from .bore_from_outside import outside_bore
 from .build_options import BuildOptions
 from .clearance import machined, surfaces
 from .contradictions import Fit, pin_radius
-from .element_laws import cylinder_laws
+from .element_laws import cylinder_laws, free_slides
 from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, bore_wall
 from .half_films import half_films, is_halved
@@ -113,6 +114,8 @@ class BodySetup(NamedTuple):
         One half of those of the skirt, without surfaces if there is none.
     pin_shapes, pin_rows, pin_lengths : int, ndarray
         Number of shapes of the pin; z of the rows of its films and their lengths [m].
+    slides : ndarray
+        Numbers of those of `SLIDES` that joints have.
     """
 
     fit: Fit
@@ -138,6 +141,7 @@ class BodySetup(NamedTuple):
     pin_shapes: int
     pin_rows: Annotated[np.ndarray, "pins, rows"]
     pin_lengths: Annotated[np.ndarray, "pins"]
+    slides: Numbers
 
 
 def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) -> BodySetup:
@@ -184,6 +188,7 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
         pin_shapes=pin.pin_shapes if pin else 0,
         pin_rows=np.array(pin_rows(pin, bosses)) if pin else np.zeros((0, 0)),
         pin_lengths=np.array([*pin.lengths().values()]) if pin else np.zeros(0),
+        slides=np.array([[*SLIDES].index(name) for name in options.slides], dtype=np.int64),
     )
 
 
@@ -216,7 +221,8 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         n,
         setup.big_end_modes,
         setup.main_bearing_modes,
-        cylinder_laws(p),
+        cylinder_laws(p, setup.slides),
+        free_slides(setup.slides),
     )
     chain = cylinder_chain(cylinder)
     kinds = integrators(cylinder, chain)

@@ -254,6 +254,8 @@ class BuildOptions:
         Whether the modes assume that the film is its own mirror image about the thrust plane.
     temperatures : WallTemperatures, optional
         None: inputs give an even temperature of each wall, and there is none of the oil.
+    slides : tuple of str
+        Displacements in joints, of `force_elements.SLIDES`.
     """
 
     grid: tuple[int, int]
@@ -270,6 +272,7 @@ class BuildOptions:
     crank_bearings: tuple[CrankBearing, ...] = ()
     symmetric_film: bool = False
     temperatures: WallTemperatures | None = None
+    slides: tuple[str, ...] = ()
 
     def film_surfaces(self) -> tuple[SurfaceOptions, ...]:
         """Return all film surfaces of the skirt, at least one."""
@@ -289,10 +292,11 @@ class BuildOptions:
         )
 
     def bearing_coordinates(self) -> int:
-        """Return the number of coordinates of pin, crank and their shells."""
+        """Return the number of coordinates of pin, crank, their shells and slides."""
         pin = self.floating_pin
         of_crank = sum(2 + one.modes for one in self.crank_bearings)
-        return (5 + 2 * pin.pin_shapes + pin.small_end_modes if pin else 0) + of_crank
+        of_pin = 5 + 2 * pin.pin_shapes + pin.small_end_modes if pin else 0
+        return of_pin + of_crank + len(self.slides)
 
     def crank_surfaces(self) -> tuple[str, ...]:
         """Return the names of the crank's film surfaces."""

@@ -3,10 +3,10 @@
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..force_elements import FORCE_ELEMENTS
+from ..force_elements import FORCE_ELEMENTS, SLIDES
 from ..force_elements.element import BODIES
-from ..mechanism.chain import BLOCK
-from ..mechanism.cylinder import CylinderLaws
+from ..mechanism.chain import BLOCK, IN_BLOCK, IN_PARENT
+from ..mechanism.cylinder import CylinderLaws, FreeSlides
 from .parameters import Settings
 
 SWITCHES = tuple(one.names()[0] for one in FORCE_ELEMENTS)
@@ -35,24 +35,44 @@ ACTS, REACTS, FIRST, SIZE, HEIGHT = (
 
 The last one is that of its height, -1 if it has none.
 """
+OF_SLIDE = np.array([FORCE_ELEMENTS.index(one) for one in SLIDES.values()], dtype=np.int64)
+WAYS = np.array([one.frees[name] for name, one in SLIDES.items()], dtype=float).reshape(-1, 2)
+"""Element of each of `SLIDES`, and its direction."""
 MOST = max((len(one.names()) for one in FORCE_ELEMENTS), default=0)
 
 
 @compilable
-def cylinder_laws(p: Settings) -> CylinderLaws:
-    """Return the force elements whose first parameter is not 0."""
-    n = 0
+def cylinder_laws(p: Settings, slides: np.ndarray) -> CylinderLaws:
+    """Return the force elements whose first parameter is not 0, or that free these `SLIDES`."""
+    exists, n = np.zeros(COUNT, np.int64), 0
     for k in range(COUNT):
-        n += 1 if p[FIRST[k]] != 0.0 else 0
+        exists[k] = 1 if p[FIRST[k]] != 0.0 else 0
+    for slide in slides:
+        exists[OF_SLIDE[slide]] = 1
+    for k in range(COUNT):
+        n += exists[k]
     kind, numbers, height = np.empty(n, np.int64), np.zeros((n, MOST)), np.zeros(n)
     out = CylinderLaws(kind, np.empty(n, np.int64), np.empty(n, np.int64), height, numbers)
     at = 0
     for k in range(COUNT):
-        if p[FIRST[k]] != 0.0:
+        if exists[k]:
             kind[at], out.acts[at], out.reacts[at] = k, ACTS[k], REACTS[k]
             for i in range(SIZE[k]):
                 numbers[at, i] = p[FIRST[k] + i]
             if HEIGHT[k] >= 0:
                 height[at] = p[HEIGHT[k]]
             at += 1
+    return out
+
+
+@compilable
+def free_slides(slides: np.ndarray) -> FreeSlides:
+    """Return the slides of these numbers in `SLIDES`."""
+    n = len(slides)
+    out = FreeSlides(np.empty(n, np.int64), np.empty(n, np.int64), np.empty((n, 2)))
+    for k in range(n):
+        own = slides[k]
+        out.acts[k] = ACTS[OF_SLIDE[own]]
+        out.turns[k] = IN_BLOCK if REACTS[OF_SLIDE[own]] == BLOCK else IN_PARENT
+        out.way[k, 0], out.way[k, 1] = WAYS[own, 0], WAYS[own, 1]
     return out

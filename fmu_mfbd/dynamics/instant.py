@@ -207,15 +207,16 @@ def _pin_force(of, loads, own, film_power):
             out[X] -= loads.wrench[e, X]
             out[Y] -= loads.wrench[e, Y]
             out[TURN] += loads.wrench[e, REACTION]
-        if len(of.chain.laws.kind) > 0:
-            by_laws = between(of.chain, loads, piston_of(of.chain), BODY.pin)
-            out[X] += by_laws[X]
-            out[Y] += by_laws[Y]
-        return out, film_power
-    last, turning = piston_of(of.chain), own.motion.velocity
-    out[X], out[Y] = own.joints[last, X], own.joints[last, Y]
-    out[TURN] = friction_at(of.chain.joints, own.motion, own.joints, last).moment
-    return out, out[TURN] * (turning[BODY.rod, TURN] - turning[last, TURN])
+    last, turning, rubbing = piston_of(of.chain), own.motion.velocity, film_power
+    if not floats(of.chain):
+        out[X], out[Y] = own.joints[last, X], own.joints[last, Y]
+        out[TURN] = friction_at(of.chain.joints, own.motion, own.joints, last).moment
+        rubbing = out[TURN] * (turning[BODY.rod, TURN] - turning[last, TURN])
+    if len(of.chain.laws.kind) > 0:
+        by_laws = between(of.chain, loads, last, of.chain.joints.parent[last])
+        out[X] += by_laws[X]
+        out[Y] += by_laws[Y]
+    return out, rubbing
 
 
 @compilable
@@ -351,6 +352,13 @@ def of_skirt(of: BodySystem, coordinates: np.ndarray) -> np.ndarray:
     for k in range(modes):
         out[RIGID + k] = coordinates[first + k]
     return out
+
+
+@compilable
+def slides_at(of: BodySystem, coordinates: np.ndarray, count: int) -> np.ndarray:
+    """Return the last coordinates of joints, those of `BuildOptions.slides`."""
+    last = of.chain.joints.tip.shape[1]
+    return coordinates[last - count : last]
 
 
 @compilable

@@ -19,7 +19,7 @@ from .carrier import FIXED, Carrier
 from .contradictions import FAULTS
 from .generalised_alpha import Coefficients, coefficients
 from .half_films import check_even, check_half, is_half
-from .instant import Instant, of_bearings
+from .instant import Instant, of_bearings, slides_at
 from .parameters import REFERENCE, Damping
 from .pin_shells import shell_modes_of
 from .piston_motion import LATERAL, ROCKING
@@ -147,6 +147,7 @@ class PistonInBore:
         self.films = options.film_grids()
         self.grids = options.pin_grids()
         self.absent = options.absent_parts()
+        self.slides = options.slides
         self.outside = outside
         self.system = system = model.parts
         self.film_surfaces = each_of(system.surfaces)
@@ -373,7 +374,8 @@ class PistonInBore:
         if last > first:
             outputs["modal_coordinate"] = now.end.position[first:last].copy()
             outputs["modal_velocity"] = now.kept.velocity[first:last].copy()
-        if self.pins:
+        outputs |= zip(self.slides, slides_at(self.system, now.end.position, len(self.slides)))
+        if self.pins or self.slides:
             outputs["bearing_coordinate"] = of_bearings(self.system, now.end.position)
             outputs["bearing_velocity"] = of_bearings(self.system, now.kept.velocity)
         if floats(self.chain) and self.chain.elements.modes[EYE]:

@@ -1,6 +1,6 @@
 """Declaration of a force element: its parameters, its bodies, its force and how that changes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple
 
@@ -13,6 +13,10 @@ def declared(
 ) -> Any:
     """Declare the default of a parameter with unit and range. The text below it describes it."""
     return field(default=start, metadata=dict(unit=unit, minimum=minimum, maximum=maximum))
+
+
+JOINTS = {"piston": "rod", "rod": "crank", "crank": "block"}
+"""Body -> the body on which it hangs by a joint that an element may free."""
 
 
 class PointMotion(NamedTuple):
@@ -82,6 +86,11 @@ class ForceElement:
     height : str
         Name of the parameter with y of the point from the reference point of the body that the
         element acts on. Default: the point is the reference point.
+    frees : mapping of str to (float, float)
+        Directions, in the axes of the body that it reacts on, along which the joint between both
+        bodies slides instead of being tied, if the build option `slides` lists their names. Each
+        is an output, the displacement [m] along a direction of length 1. `JOINTS` has the bodies.
+        The bore is read where the piston would be without the displacement.
     """
 
     parameters: type
@@ -90,6 +99,7 @@ class ForceElement:
     acts: str = "piston"
     reacts: str = "block"
     height: str = ""
+    frees: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.acts not in BODIES or self.reacts not in {"block", *BODIES} - {self.acts}:
@@ -97,6 +107,10 @@ class ForceElement:
             raise ValueError(f"expected two of {', '.join(BODIES)} and block, got {bodies}")
         if not self.names() or self.height not in ("", *self.names()):
             raise ValueError(f"height: expected one of {self.names()}, got {self.height!r}")
+
+        if self.frees and JOINTS.get(self.acts) != self.reacts:
+            got = f"acts = {self.acts!r}, reacts = {self.reacts!r}"
+            raise ValueError(f"frees: expected acts and reacts of {JOINTS}, got {got}")
 
     def names(self) -> list[str]:
         """Return the names of the parameters."""

@@ -110,11 +110,11 @@ def add_angle_row(joints, b, at, moment, force, residual):
 
 
 @compilable
-def add_angle_row_changes(joints, b, at, force, by, d, change, top, torque):
+def add_angle_row_changes(joints, b, at, force, d, change, top, torque):
     """Add the derivative of `add_angle_row` to that of the rows, `top`, and of the torque."""
     columns = change.shape[2]
     if joints.held[b] >= 0:
-        _add_tip_changes(joints, b, at, force, by, d, change, top)
+        _add_tip_changes(joints, b, at, force, d, change, top)
         return
     if joints.driven[b] != 0.0:
         for j in range(columns):
@@ -126,7 +126,7 @@ def add_angle_row_changes(joints, b, at, force, by, d, change, top, torque):
 
 
 @compilable
-def _add_tip_changes(joints, b, at, force, by, d, change, top):
+def _add_tip_changes(joints, b, at, force, d, change, top):
     """Add the derivative of the force that holds the tip of a rod."""
     columns, held = change.shape[2], joints.held[b]
     along, push = at.arm[held, Y], np.empty(change.shape[2])
@@ -138,7 +138,7 @@ def _add_tip_changes(joints, b, at, force, by, d, change, top):
     for k in range(joints.first_slide[held], joints.first_slide[held + 1]):
         if joints.turns[k] == IN_PARENT and joints.slide[k] < columns:
             _, y = way_of(joints, k, b, at)
-            push[joints.slide[k]] -= by_length * y * by.position[joints.slide[k]]
+            push[joints.slide[k]] -= by_length * y * d.by.position[joints.slide[k]]
     for j in range(columns):
         change[b, X, j] += push[j]
     for i in range(joints.tip.shape[1]):

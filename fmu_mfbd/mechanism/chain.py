@@ -355,7 +355,8 @@ def put_tips(joints: Joints, guide: np.ndarray) -> None:
             p = joints.parent[b]
             if p >= 0 and joints.held[p] == b:
                 row[guide[g]] += 1.0
-                joints.tip[p, :] = row
+                for j in range(len(row)):
+                    joints.tip[p, j] = row[j]
                 joints.offset[p] = joints.offset[g]
                 break
             b = p

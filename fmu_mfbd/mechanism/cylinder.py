@@ -90,6 +90,25 @@ class CylinderLaws(NamedTuple):
     numbers: np.ndarray
 
 
+class FreeSlides(NamedTuple):
+    """Slides of joints that are tied otherwise.
+
+    Parameters
+    ----------
+    acts : ndarray, shape (r,)
+        Number in `force_elements.element.BODIES` of the body that hangs on the joint.
+    turns, way
+        As of `chain.Joints`.
+    """
+
+    acts: np.ndarray
+    turns: np.ndarray
+    way: np.ndarray
+
+
+NO_SLIDES = FreeSlides(NO_ELEMENTS, NO_ELEMENTS, np.zeros((0, 2)))
+
+
 class CylinderParts(NamedTuple):
     """What the chain of a cylinder is made of.
 
@@ -115,6 +134,8 @@ class CylinderParts(NamedTuple):
     shapes, big_end_modes, main_bearing_modes : int
         Number of shapes along each axis, and of the last modes in `springs`.
     laws : CylinderLaws
+    slides : FreeSlides
+        Their coordinates are the last ones of joints.
     """
 
     piston: FlexibleBody
@@ -135,6 +156,7 @@ class CylinderParts(NamedTuple):
     laws: CylinderLaws = CylinderLaws(
         NO_ELEMENTS, NO_ELEMENTS, NO_ELEMENTS, np.zeros(0), np.zeros((0, 0))
     )
+    slides: FreeSlides = NO_SLIDES
 
 
 @compilable
@@ -251,14 +273,14 @@ def _joints_of(c, plays):
     friction = np.zeros((n, 3))
     if not c.floats:
         put_pin_friction(friction[piston], c.mechanism.friction)
-    first, slide, way = _slides_of(plays)
+    first, slide, turns, way = _slides_of(c.slides, plays)
     size = RIGID + len(slide) + c.floats
     out = Joints(
         parent=parent,
         angle=angle,
         first_slide=first,
         slide=slide,
-        turns=np.full(len(slide), IN_BLOCK),
+        turns=turns,
         way=way,
         marker=marker,
         driven=driven,
@@ -272,20 +294,32 @@ def _joints_of(c, plays):
 
 
 @compilable
-def _slides_of(plays):
-    """Return the first slide of each joint, and coordinate and direction of all slides."""
-    n = len(plays)
-    first, slide, way = np.zeros(n + 1, np.int64), np.empty(2 * n, np.int64), np.zeros((2 * n, 2))
+def _slides_of(free, plays):
+    """Return the first slide of each joint, and coordinate, axes and direction of all slides."""
+    n, size = len(plays), RIGID + (1 if len(plays) > BODY.pin + 1 else 0)
+    most = 2 * n + len(free.acts)
+    first, slide, way = np.zeros(n + 1, np.int64), np.empty(most, np.int64), np.zeros((most, 2))
+    turns = np.full(most, IN_BLOCK)
+    for b in range(n):
+        size += 2 if plays[b] >= 0 else 0
     for b in range(n):
         k = first[b]
         first[b + 1] = k
-        if plays[b] >= 0:
+        if plays[b] < 0:
+            for i in range(len(free.acts)):
+                if min(free.acts[i], n - 1) == b:
+                    j = first[b + 1]
+                    slide[j], turns[j] = size + i, free.turns[i]
+                    way[j, X], way[j, Y] = free.way[i, X], free.way[i, Y]
+                    first[b + 1] = j + 1
+        else:
             # Eqs. (K16), (K25)
             sign = -1.0 if b == n - 1 or b == BODY.rod else 1.0
             slide[k], slide[k + 1] = plays[b], plays[b] + 1
             way[k, X], way[k + 1, Y] = sign, sign
             first[b + 1] = k + 2
-    return first, slide[: first[n]].copy(), way[: first[n]].copy()
+    last = first[n]
+    return first, slide[:last].copy(), turns[:last].copy(), way[:last].copy()
 
 
 @compilable
@@ -457,6 +491,7 @@ def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
             c.big_end_modes,
             c.main_bearing_modes,
             c.laws,
+            c.slides,
         )
     )
     m, k = chain.joints.tip.shape[1], len(chain.bodies.stiffness)

@@ -21,7 +21,7 @@ from .equations import (
 )
 from .inertia import ALPHA, AX, AY, W, inertia_changes, shaken_forces
 from .laws import subtract_law_changes
-from .motion import Increments, MotionChanges, chain_motion, motion_changes
+from .motion import Increments, MotionChanges, chain_motion, motion_changes, no_changes
 from .translations import add_slide_row_changes
 
 
@@ -87,7 +87,7 @@ def chain_derivative(
     if len(loads.law_slopes) > 0:
         subtract_law_changes(chain, loads, at, d, change)
     _subtract_modal_changes(chain, loads, now, by, d, changes, total)
-    torque = _inward_changes(chain.joints, at, forces.joints, by, d, change, top)
+    torque = _inward_changes(chain.joints, at, forces.joints, d, change, top)
     for j in range(len(torque)):
         total[TURN, j] -= torque[j]
     if chain.block >= 0:
@@ -206,7 +206,7 @@ def _subtract_modal_changes(chain, loads, now, by, d, changes, total):
 
 
 @compilable
-def _inward_changes(joints, at, force, by, d, change, top):
+def _inward_changes(joints, at, force, d, change, top):
     """Add the derivative of the rows of all joints, and change the parents' forces.
 
     Returns the change of the drive's torque, (m + k,).
@@ -216,8 +216,8 @@ def _inward_changes(joints, at, force, by, d, change, top):
         # Eq. (D61)
         if has_friction(joints.friction, b):
             _rub_changes(joints, at, force, b, d, change)
-        add_angle_row_changes(joints, b, at, force, by, d, change, top, torque)
-        add_slide_row_changes(joints, b, at, force, by, d, change, top)
+        add_angle_row_changes(joints, b, at, force, d, change, top, torque)
+        add_slide_row_changes(joints, b, at, force, d, change, top)
     return torque
 
 
@@ -277,7 +277,7 @@ def pushed_forces(
     """
     at = forces.motion
     n, m = chain.joints.tip.shape
-    still = MotionChanges(np.zeros((n, 3, 1)), np.zeros((n, 3, 1)), np.zeros((n, 3, 1)))
+    still = no_changes(chain.joints)
     shaken = np.empty((4, 1))
     shaken[AX, 0], shaken[AY, 0] = given.ax, given.ay
     shaken[ALPHA, 0], shaken[W, 0] = given.alpha, given.w
@@ -289,9 +289,7 @@ def pushed_forces(
     for b in range(n):
         for i in range(3):
             change[b, i, 0] += push[b, i]
-    none = np.zeros(m)
-    by = Increments(none, none, none)
-    (torque,) = _inward_changes(chain.joints, at, forces.joints, by, still, change, top)
+    (torque,) = _inward_changes(chain.joints, at, forces.joints, still, change, top)
     residual = np.empty(m + len(loads.modal))
     for j in range(m):
         residual[j] = top[j, 0]
@@ -322,11 +320,10 @@ def drive_inertia(chain: Chain, forces: ChainForces, now: Motion, drive: CrankMo
     none = np.zeros(len(now.position))
     turning = CrankMotion(drive.angle, 0.0, 1.0)
     rates = chain_motion(chain.joints, Motion(now.position, none, none), turning).acceleration
-    d = MotionChanges(np.zeros((n, 3, 1)), np.zeros((n, 3, 1)), np.zeros((n, 3, 1)))
+    d = no_changes(chain.joints)
     for b in range(n):
         for i in range(3):
             d.acceleration[b, i, 0] = rates[b, i]
     change = shaken_forces(chain.bodies, at, forces.inertia, d, np.zeros((4, 1))).wrench
-    by, top = Increments(none, none, none), np.zeros((m, 1))
-    (torque,) = _inward_changes(chain.joints, at, forces.joints, by, d, change, top)
+    (torque,) = _inward_changes(chain.joints, at, forces.joints, d, change, np.zeros((m, 1)))
     return torque

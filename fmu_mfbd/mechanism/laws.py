@@ -14,7 +14,7 @@ from ..force_elements import FORCE_ELEMENTS
 from ..force_elements.element import PointForce, PointMotion
 from .chain import BLOCK, Chain, Elements, Loads
 from .equations import point_of
-from .motion import ChainChange, ChainMotion, MotionChanges
+from .motion import ChainChange, ChainMotion, Increments, MotionChanges
 
 RATES = 3
 """Position of the first rate in a `PointMotion`."""
@@ -224,9 +224,12 @@ def from_block_changes(
     """
     out, by = np.zeros(2), np.zeros(2 * RATES)
     first = len(elements.acts) - len(law_slopes)
-    shape = (len(bodies.position), RATES, 1)
+    shape, none = (len(bodies.position), RATES, 1), np.zeros(0)
     d = MotionChanges(
-        bodies.position.reshape(shape), bodies.velocity.reshape(shape), np.zeros(shape)
+        bodies.position.reshape(shape),
+        bodies.velocity.reshape(shape),
+        np.zeros(shape),
+        Increments(none, none, none),
     )
     for k in range(len(law_slopes)):
         if elements.reacts[first + k] < 0:

@@ -64,11 +64,22 @@ class MotionChanges(NamedTuple):
     Parameters
     ----------
     position, velocity, acceleration : ndarray, shape (n, 3, m)
+    by : Increments
+        Of the unknowns.
     """
 
     position: np.ndarray
     velocity: np.ndarray
     acceleration: np.ndarray
+    by: Increments
+
+
+@compilable
+def no_changes(joints: Joints) -> MotionChanges:
+    """Return the change of the motion of all bodies in a direction that moves none, m = 1."""
+    n, m = joints.tip.shape
+    none, zeros = np.zeros(m), np.zeros((3, n, 3, 1))
+    return MotionChanges(zeros[0], zeros[1], zeros[-1], Increments(none, none, none))
 
 
 class ChainChange(NamedTuple):
@@ -127,7 +138,7 @@ def motion_changes(joints: Joints, at: ChainMotion, by: Increments) -> MotionCha
     """
     n, m = joints.tip.shape
     tables = np.zeros((3, n, 3, m))
-    d = MotionChanges(tables[0], tables[1], tables[-1])
+    d = MotionChanges(tables[0], tables[1], tables[-1], by)
     for b in range(n):
         put_origin_changes(joints, b, at, by, d)
         put_angle_changes(joints, b, at, by, d)

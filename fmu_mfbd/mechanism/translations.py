@@ -174,7 +174,7 @@ def add_slide_rows(joints, b, at, force, residual):
 
 
 @compilable
-def add_slide_row_changes(joints, b, at, force, by, d, change, top):
+def add_slide_row_changes(joints, b, at, force, d, change, top):
     """Add the derivative of `add_slide_rows` to that of the rows, `top`, and of the forces."""
     p = joints.parent[b]
     m, columns = d.position.shape[2], change.shape[2]
@@ -192,7 +192,7 @@ def add_slide_row_changes(joints, b, at, force, by, d, change, top):
             for j in range(m):
                 top[i, j] += along * d.position[p, TURN, j]
             if i < columns:
-                change[p, TURN, i] += along * by.position[i]
+                change[p, TURN, i] += along * d.by.position[i]
     if p >= 0:
         x, y = at.arm[b, X], at.arm[b, Y]
         outward = x * force[b, X] + y * force[b, Y]

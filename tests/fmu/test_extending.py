@@ -166,6 +166,37 @@ BOSSES, EYE = (
     for body in ("piston", "rod")
 )
 '''
+SLIDER = '''
+"""Small end that slides along the rod, on a spring with damper."""
+
+from dataclasses import dataclass
+
+from ...master.fmi.compiled import compilable
+from .element import ForceElement, PointForce, PointMotion, declared
+
+
+@dataclass(frozen=True)
+class SliderParameters:
+    slider_stiffness: float = declared("N/m", 0.0, 0.0, 1e9)
+    "Stiffness of the slider of the small end."
+    slider_damping: float = declared("N.s/m", 0.0, 0.0, 1e6)
+    "Damping of the slider of the small end."
+
+
+@compilable
+def slider_force(p: SliderParameters, at: PointMotion) -> PointForce:
+    return PointForce(0.0, -p.slider_stiffness * at.y - p.slider_damping * at.vy, 0.0)
+
+
+@compilable
+def slider_change(p: SliderParameters, at: PointMotion, by: PointMotion) -> PointForce:
+    return slider_force(p, by)
+
+
+SLIDER = ForceElement(
+    SliderParameters, slider_force, slider_change, reacts="rod", frees={"rod_stretch": (0.0, 1.0)}
+)
+'''
 FORCE_ELEMENTS = {
     "fmu_mfbd/force_elements/__init__.py": [
         (
@@ -173,9 +204,10 @@ FORCE_ELEMENTS = {
             "import LAND_CONTACT\n"
             "from .bushings import BOSSES, EYE\n"
             "from .magnet import MAGNET\n"
+            "from .slider import SLIDER\n"
             "from .torsion_spring import TORSION_SPRING\n",
         ),
-        ("(LAND_CONTACT,)", "(LAND_CONTACT, MAGNET, TORSION_SPRING, BOSSES, EYE)"),
+        ("(LAND_CONTACT,)", "(LAND_CONTACT, MAGNET, SLIDER, TORSION_SPRING, BOSSES, EYE)"),
     ]
 }
 
@@ -238,9 +270,10 @@ build = {
     "block": {"rigid": {"radius": "55 mm"}, "bore_lower": "90 mm", "bore_upper": "360 mm"},
 }
 pin = {"grid": [12, 4], "boss_length": "25 mm", "small_end_length": "36 mm"}
+joints = {"tied": {}, "floating": {"floating_pin": pin}, "sliding": {"slides": ["rod_stretch"]}}
 outputs = {}
 for joint, runs in given.items():
-    own = build | ({"floating_pin": pin} if joint == "floating" else {})
+    own = build | joints[joint]
     if kind == "native":
         path = build_native_fmu("fmu_mfbd", own, folder, print, platforms=[this_platform()])
     else:
@@ -347,18 +380,22 @@ MOVING = {
     "crank_speed": 100.0,
     "start_rocking_angle": 1e-3,
 }
+STRETCHED = {"slider_stiffness": 1e6, "slider_damping": 2e3, "gas_pressure": 1e4}
+STRETCHING = {"slider_stiffness": 1e6, "gas_pressure": 1e6, "crank_speed": 100.0}
+STRETCHING |= {"start_crank_angle": 0.9, "pin_friction_coefficient": 0.0}
 BUSHED = {"bushing_stiffness": 1e7, "bushing_damping": 5e3, "gas_pressure": 1e4}
 
 
 @pytest.mark.parametrize("kind", ["python", pytest.param("native", marks=pytest.mark.slow)])
-def test_load_of_a_body_force_between_two_and_elastic_joint(kind, tmp_path):
-    """Each of them is one file and its entries: magnet, torsion spring, and bushings of the pin.
+def test_load_of_a_body_force_between_two_and_joints(kind, tmp_path):
+    """Each is one file and its entries: magnet, torsion spring, bushings of the pin, and a slider.
 
     At rest they balance given forces. In motion the power of the magnet is its force times its
     velocity. Python runs without compilation.
     """
     environment = changed(tmp_path, FORCE_ELEMENTS)
-    for name, text in (("magnet", MAGNET), ("torsion_spring", SPRING), ("bushings", BUSHINGS)):
+    texts = {"magnet": MAGNET, "torsion_spring": SPRING, "bushings": BUSHINGS, "slider": SLIDER}
+    for name, text in texts.items():
         (tmp_path / f"piston_cosim/fmu_mfbd/force_elements/{name}.py").write_text(text)
     resting = {name: ENGINE | one for name, one in STILL.items()}
     alone = {f"{name} alone": one | {"ring_side_force": 0.0} for name, one in resting.items()}
@@ -367,6 +404,7 @@ def test_load_of_a_body_force_between_two_and_elastic_joint(kind, tmp_path):
     runs = {
         "tied": {name: (one, 4) for name, one in (resting | alone | turning).items()},
         "floating": {"bushings": (ENGINE | BUSHED, 300)},
+        "sliding": {"upright": (ENGINE | STRETCHED, 300), "stretching": (ENGINE | STRETCHING, 30)},
     }
     interpreted = {"NUMBA_DISABLE_JIT": "1"} if kind == "python" else {}
     printed = script(BODIES, tmp_path, json.dumps(runs), kind, env=environment | interpreted)
@@ -400,3 +438,24 @@ def test_load_of_a_body_force_between_two_and_elastic_joint(kind, tmp_path):
     ):
         # after 27 time constants, 2 m/c with 1.39 kg on half of the damping
         assert at_end[key] == pytest.approx(wanted, rel=1e-9)
+    of_slider = outputs["upright"]["rod_stretch"][-1], outputs["upright"]["piston_position"][-1]
+    rest = -gas / STRETCHED["slider_stiffness"]
+    upright = ENGINE["crank_radius"] + ENGINE["rod_length"] + rest
+    assert of_slider == pytest.approx((rest, upright), rel=1e-9)  # after 40 time constants
+    stretch, y, x, angle, force_x, force_y = (
+        np.array(outputs["stretching"][key])
+        for key in (
+            "rod_stretch",
+            "piston_position",
+            "lateral_displacement",
+            "crank_angle",
+            "pin_force_x",
+            "pin_force_y",
+        )
+    )
+    rod = np.array([x, y]) + ENGINE["crank_radius"] * np.array([np.sin(angle), -np.cos(angle)])
+    length = ENGINE["rod_length"] + stretch
+    np.testing.assert_allclose(np.hypot(*rod), length, rtol=1e-14)
+    along = (rod * [force_x, force_y]).sum(axis=0) / length
+    np.testing.assert_allclose(along, -STRETCHING["slider_stiffness"] * stretch, rtol=1e-9)
+    assert np.abs(stretch).max() > 1e-3

@@ -248,6 +248,7 @@ def test_motion_in_space_does_not_support_force_elements():
         ),
         ({"acts": "rod", "reacts": "rod"}, "got acts = 'rod', reacts = 'rod'"),
         ({"height": "height"}, "height: expected one of ['land_stiffness', "),
+        ({"frees": {"gap": (1.0, 0.0)}}, "frees: expected acts and reacts of {'piston': 'rod', "),
     ],
 )
 def test_a_declaration_that_cannot_be_is_rejected(wrong, text):

@@ -5,6 +5,13 @@ import itertools
 import pytest
 from pydantic import ValidationError
 
+from piston_cosim.fmu_mfbd.force_elements import SLIDES
+from piston_cosim.fmu_mfbd.force_elements.element import ForceElement
+from piston_cosim.fmu_mfbd.force_elements.land_contact import (
+    LandParameters,
+    land_change,
+    land_force,
+)
 from piston_cosim.fmu_mfbd.options import Build
 
 from .conftest import sheets
@@ -37,6 +44,7 @@ CHOICES = {
     "gas": {"gas": POINTS | {"angle_unit": "deg", "pressure_unit": "bar"}},
     "speed": {"speed": POINTS | {"time_unit": "s", "speed_unit": "rpm"}},
     "film_surfaces": {"film_surfaces": [{"name": "low", "rows": [1, 5]}]},
+    "slides": {"slides": ["rod_stretch"]},
 }
 """Changes of the build table of two data sheets."""
 
@@ -50,7 +58,8 @@ REJECTED = (
     | {(one, "motion_in_space"): IN_PLANE for one in (*FLEXIBLE, *FLOATING, "flexible block")}
     | {(one, "motion_in_space"): IN_PLANE for one in ("boss_modes", "big_end", "main_bearing")}
     | {(one, "motion_in_space"): IN_PLANE for one in ("shells", "mounted", "bore_from_outside")}
-    | {("motion_in_space", "start"): IN_PLANE}
+    | {("motion_in_space", one): IN_PLANE for one in ("start", "slides")}
+    | {(one, "slides"): "rod_stretch with floating_pin" for one in (*FLOATING, "boss_modes")}
     | {("flexible block", "bore_from_outside"): OF_OUTSIDE}
 )
 """Pairs, in the order of `CHOICES`, and the reason why they do not exist."""
@@ -79,8 +88,15 @@ def table(*names):
     return out
 
 
-def test_all_pairs_of_options():
+SLIDER = ForceElement(
+    LandParameters, land_force, land_change, reacts="rod", frees={"rod_stretch": (0.0, 1.0)}
+)
+"""Element that lets the small end slide along the rod."""
+
+
+def test_all_pairs_of_options(monkeypatch):
     """Every pair that is not listed is valid, and the message of every other names the reason."""
+    monkeypatch.setitem(SLIDES, "rod_stretch", SLIDER)
     assert REJECTED.keys() <= {*itertools.combinations(CHOICES, 2)}
     for pair in itertools.combinations(CHOICES, 2):
         if pair in REJECTED:
@@ -89,3 +105,16 @@ def test_all_pairs_of_options():
             assert REJECTED[pair] in str(told.value), pair
         else:
             Build.model_validate(table(*pair))
+
+
+@pytest.mark.parametrize(
+    "names, text",
+    [
+        (["rod_stretch"], "slides: expected one of none, got rod_stretch"),
+        (["rod_stretch"] * 2, "slides: expected each once, got rod_stretch, rod_stretch"),
+    ],
+)
+def test_slides_that_no_element_frees_are_rejected(names, text):
+    with pytest.raises(ValidationError) as raised:
+        Build.model_validate(sheets() | {"slides": names})
+    assert text in str(raised.value)
