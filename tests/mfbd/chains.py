@@ -21,10 +21,10 @@ from piston_cosim.fmu_mfbd.mechanism.chain import (
     chain_of,
     play,
 )
-from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE, CylinderLaws, cylinder_chain
+from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE, NO_SLIDES, CylinderLaws, cylinder_chain
 from piston_cosim.fmu_mfbd.mechanism.solution import mode_coupling
 from piston_cosim.tests.verification.cases.tied import GAS as ON_BORE
-from piston_cosim.tests.verification.cases.tied import PISTON, SKIRT, tied_parts, tied_pin
+from piston_cosim.tests.verification.cases.tied import PISTON, SKIRT, tied_parts
 
 MECHANISM = Mechanism(0.072, 0.223, 1.2e-3, 1.7, 0.017, 72 / 223, 0.5)
 SPIN_INERTIA = 2e-4
@@ -99,6 +99,7 @@ def engine(
     free=False,
     yields=False,
     slides=False,
+    mechanism=MECHANISM,
 ):
     """Return the engine of some flexible pistons, with their cranks evenly apart.
 
@@ -108,7 +109,7 @@ def engine(
     If it yields, each pin has `SHAPES` shapes along both axes and each shell `SHELL_MODES` modes.
     The last coordinates of each cylinder with slides are those of `SLIDES`.
     """
-    m = MECHANISM
+    m = mechanism
     per = 2 + 5 * floating + 2 * crank_films + len(SLIDES) * slides
     journal = per * len(pistons) if crank_films else NONE
     block = per * len(pistons) + 2 * crank_films if mounted else NONE
@@ -187,9 +188,10 @@ def loads_of(chain, load, now, films):
     return Loads(wrench, load.modal)
 
 
-def tied(piston, mechanism=MECHANISM):
+def tied(piston, mechanism=MECHANISM, slides=NO_SLIDES):
     """Return the engine of one cylinder with a tied pin, as the FMU has it."""
-    return Engine(tied_pin(piston, mechanism, UNBALANCE), [PISTON], [SKIRT], [ON_BORE], {})
+    parts = tied_parts(piston, mechanism, UNBALANCE)._replace(slides=slides)
+    return Engine(cylinder_chain(parts), [PISTON], [SKIRT], [ON_BORE], {})
 
 
 def touching(piston):

@@ -8,8 +8,14 @@ import pytest
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
+from piston_cosim.fmu_mfbd.force_elements.element import BODIES
 from piston_cosim.fmu_mfbd.mechanism.chain import IN_PARENT, Element, Link, chain_of, play
-from piston_cosim.fmu_mfbd.mechanism.cylinder import CylinderParts, cylinder_chain
+from piston_cosim.fmu_mfbd.mechanism.cylinder import (
+    NO_SLIDES,
+    CylinderParts,
+    FreeSlides,
+    cylinder_chain,
+)
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_tangent
 from piston_cosim.fmu_mfbd.mechanism.equations import block_motion, chain_forces, forces_at
 from piston_cosim.fmu_mfbd.mechanism.loads import HeldForces, loads_at, no_loads
@@ -33,6 +39,7 @@ from .chains import (
     MECHANISM,
     SHAPES,
     SHELL_MODES,
+    SLIDES,
     SPIN_INERTIA,
     UNBALANCE,
     coupled,
@@ -95,15 +102,23 @@ def assert_close(own, known):
     np.testing.assert_allclose(own, known, rtol=DIGITS, atol=2e-15 * size)
 
 
+ON_PISTON, ON_ROD = (BODIES.index(name) for name in ("piston", "rod"))
+FREED = FreeSlides(np.array([ON_ROD, *[ON_PISTON] * 2]), np.full(3, IN_PARENT), np.array(SLIDES))
+"""Slides of `SLIDES` in the joints of a cylinder."""
+
+
+@pytest.mark.parametrize("slides", [NO_SLIDES, FREED], ids=["tied", "sliding"])
 @pytest.mark.parametrize("carrier", [FIXED, MOVING], ids=["fixed", "moving"])
-def test_a_tied_pin_is_the_chain_of_its_links(carrier):
+def test_a_tied_pin_is_the_chain_of_its_links(carrier, slides):
     """The tables of the FMU give the forces of a chain that is built by name.
 
-    Its pin is a body, and its crank has no unbalance, which adds e'' U to the forces on the block
-    and e U x a_O to the torque.
+    Its pin is a body, which slides with the piston and is massless then. Its crank has no
+    unbalance, which adds e'' U to the forces on the block and e U x a_O to the torque.
     """
-    piston = flexible(60)
-    links, own = engine([piston]), tied(piston)
+    piston, is_free = flexible(60), slides is FREED
+    mechanism = MECHANISM._replace(pin_mass=0.0) if is_free else MECHANISM
+    links = engine([piston], slides=is_free, mechanism=mechanism)
+    own = tied(piston, mechanism, slides)
     now = motion(own)
     given = loads(own, now)
     expected, forces = (chain_forces(one.chain, given, now, CRANK, carrier) for one in (links, own))
