@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.generalised_alpha import Coefficients, Motion
+from ..dynamics.generalised_alpha import Motion
 from ..dynamics.slider_crank import CrankMotion
 from ..geometry.arrays import Matrix, Vector
 from .angles import put_angle, put_angle_changes
@@ -25,12 +25,6 @@ class Increments(NamedTuple):
     position: Vector
     velocity: Vector
     acceleration: Vector
-
-
-@compilable
-def increments_of(c: Coefficients, n: int) -> Increments:
-    """Return those of n coordinates with their end accelerations in a step (Eq. (N2))."""
-    return Increments(np.full(n, c.to_position), np.full(n, c.to_velocity), np.ones(n))
 
 
 class ChainMotion(NamedTuple):

@@ -11,18 +11,20 @@ from piston_cosim.fmu_mfbd.force_elements.element import BODIES
 from piston_cosim.fmu_mfbd.mechanism.chain import (
     BLOCK,
     IN_PARENT,
-    NO_MOUNTS,
     NONE,
     Chain,
+    Loads,
+)
+from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE, NO_SLIDES, CylinderLaws, cylinder_chain
+from piston_cosim.fmu_mfbd.mechanism.solution import mode_coupling
+from piston_cosim.tests.verification.cases.links import (
+    NO_MOUNTS,
     Element,
     Link,
-    Loads,
     Slide,
     chain_of,
     play,
 )
-from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE, NO_SLIDES, CylinderLaws, cylinder_chain
-from piston_cosim.fmu_mfbd.mechanism.solution import mode_coupling
 from piston_cosim.tests.verification.cases.tied import GAS as ON_BORE
 from piston_cosim.tests.verification.cases.tied import PISTON, SKIRT, tied_parts
 

@@ -12,7 +12,7 @@ from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
-from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK, Link, chain_of, play
+from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK
 from piston_cosim.fmu_mfbd.mechanism.cylinder import motion_across
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_derivative
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
@@ -32,6 +32,7 @@ from piston_cosim.tests.verification.cases.bodies import (
     flexible_body,
     rigid_body,
 )
+from piston_cosim.tests.verification.cases.links import Link, chain_of, play
 from piston_cosim.tests.verification.cases.tied import (
     loads_of,
     tied_forces,

@@ -9,7 +9,7 @@ from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.force_elements.element import BODIES
-from piston_cosim.fmu_mfbd.mechanism.chain import IN_PARENT, Element, Link, chain_of, play
+from piston_cosim.fmu_mfbd.mechanism.chain import IN_PARENT
 from piston_cosim.fmu_mfbd.mechanism.cylinder import (
     NO_SLIDES,
     CylinderParts,
@@ -28,6 +28,7 @@ from piston_cosim.fmu_mfbd.mechanism.solution import (
 )
 from piston_cosim.master.fmi.block import row_of
 from piston_cosim.master.fmi.native_code import RAW
+from piston_cosim.tests.verification.cases.links import Element, Link, chain_of, play
 from piston_cosim.tests.verification.cases.tied import NO_STATIC
 
 from ..command import script

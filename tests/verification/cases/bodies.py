@@ -40,9 +40,8 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
-from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK, Link, chain_of
+from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK
 from piston_cosim.fmu_mfbd.mechanism.loads import no_forces
-from piston_cosim.fmu_mfbd.mechanism.motion import increments_of
 from piston_cosim.fmu_mfbd.mechanism.solution import solve_motion
 from piston_cosim.fmu_mfbd.reduction.bases import (
     Elastic,
@@ -69,6 +68,7 @@ from piston_cosim.models import MODELS
 
 from .checks import at_most, bounded, compared
 from .exudyn import CrankedPiston, Drive, FullPiston, exudyn_motion, own_motion
+from .links import Link, chain_of, increments_of
 from .tied import PISTON, tied_forces, tied_pin
 
 CLOSED_FORM, OTHER_CODE = "closed form", "independent code"

@@ -27,9 +27,9 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     height,
     motion,
 )
-from piston_cosim.fmu_mfbd.mechanism.motion import increments_of
 from piston_cosim.fmu_mfbd.mechanism.solution import solve_motion
 
+from .links import increments_of
 from .tied import tied_pin
 
 
