@@ -284,18 +284,9 @@ def _static(body, omega, k):
 @compilable
 def _free(setup, k, omega):
     """Return the frequencies of all modes but the first k of the piston [rad/s]."""
-    static, block, n = len(setup.piston_omega) - k, len(setup.block_omega), len(omega)
-    bent = static + block
-    out = np.empty(bent + 2 * n + len(setup.shell_omega))
-    for i in range(static):
-        out[i] = setup.piston_omega[k + i]
-    for i in range(block):
-        out[static + i] = setup.block_omega[i]
-    for i in range(n):
-        out[bent + i], out[bent + n + i] = omega[i], omega[i]
-    for i in range(len(setup.shell_omega)):
-        out[bent + 2 * n + i] = setup.shell_omega[i]
-    return out
+    return np.concatenate(
+        (setup.piston_omega[k:], setup.block_omega, omega, omega, setup.shell_omega)
+    )
 
 
 @compilable

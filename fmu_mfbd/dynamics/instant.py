@@ -317,13 +317,7 @@ def load_of(system: BodySystem, films: FilmForces, others: OtherForces, modal: n
 @compilable
 def on_modes(skirt: FilmForces) -> np.ndarray:
     """Return the forces of the skirt's films on the modes of piston and block [kg^-1/2 N]."""
-    first = len(skirt.piston)
-    out = np.empty(first + len(skirt.block))
-    for k in range(first):
-        out[k] = skirt.piston[k]
-    for k in range(len(skirt.block)):
-        out[first + k] = skirt.block[k]
-    return out
+    return np.concatenate((skirt.piston, skirt.block))
 
 
 @compilable
@@ -332,26 +326,15 @@ def gas_on_modes(system: BodySystem, guided: float, others: OtherForces) -> np.n
 
     `guided` is the height at which the bore is read [m].
     """
-    first = len(system.gas_force)
     wall = wall_forces(system.wall, guided, others.wall)
-    out = np.empty(first + len(wall))
-    for k in range(first):
-        out[k] = others.gas * system.gas_force[k]
-    for k in range(len(wall)):
-        out[first + k] = wall[k]
-    return out
+    return np.concatenate((others.gas * system.gas_force, wall))
 
 
 @compilable
 def of_skirt(of: BodySystem, coordinates: np.ndarray) -> np.ndarray:
     """Return the coordinates of the skirt's films: x_A, rocking angle, modes of piston, block."""
     first, modes = of.chain.joints.tip.shape[1], skirt_modes(of)
-    out = np.empty(RIGID + modes)
-    for k in range(RIGID):
-        out[k] = coordinates[k]
-    for k in range(modes):
-        out[RIGID + k] = coordinates[first + k]
-    return out
+    return np.concatenate((coordinates[:RIGID], coordinates[first : first + modes]))
 
 
 @compilable
@@ -365,8 +348,4 @@ def slides_at(of: BodySystem, coordinates: np.ndarray, count: int) -> np.ndarray
 def of_bearings(of: BodySystem, coordinates: np.ndarray) -> np.ndarray:
     """Return the coordinates of pin, crank and their shells."""
     first, modes = of.chain.joints.tip.shape[1], skirt_modes(of)
-    out = np.empty(len(coordinates) - RIGID - modes)
-    joints = first - RIGID
-    for k in range(len(out)):
-        out[k] = coordinates[RIGID + k if k < joints else RIGID + modes + k]
-    return out
+    return np.concatenate((coordinates[RIGID:first], coordinates[first + modes :]))

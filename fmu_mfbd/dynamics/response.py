@@ -116,7 +116,6 @@ def response(
     """
     chain = of.chain
     end, guided, own = last.now, last.guided, last.linear
-    n = len(end.position)
     skirt = together(forces_by_film(of, guided, skirt_forces))
     change = load_change(of, skirt, rings, on_modes(skirt), carrier)
     at, block = own.forces.motion, own.forces.inertia.carrier
@@ -125,12 +124,8 @@ def response(
     loads = loads_at(chain, held, at, end)
     pushed = pushed_forces(chain, own.forces, end, loads, carrier)
     # Eq. (D23)
-    acceleration = solve_coupled(chain.bodies, at, block, by, own.factors, pushed.residual)
-    moved = Motion(np.empty(n), np.empty(n), acceleration)
-    for k in range(n):
-        acceleration[k] = -acceleration[k]
-        moved.position[k] = by.position[k] * acceleration[k]
-        moved.velocity[k] = by.velocity[k] * acceleration[k]
+    acceleration = -solve_coupled(chain.bodies, at, block, by, own.factors, pushed.residual)
+    moved = Motion(by.position * acceleration, by.velocity * acceleration, acceleration)
     bodies = changes_along(motion_changes(chain.joints, at, by), acceleration)
     rising = bodies.velocity[piston_of(chain), Y]
     on_block = own.on_block @ acceleration

@@ -154,14 +154,8 @@ def part_of(parts: FilmParts, s: int) -> FilmForces:
 @compiled
 def by_coordinate(forces: FilmForces) -> np.ndarray:
     """Return the generalised forces on x_A, rocking angle, modes of piston and block, (n,)."""
-    modes = RIGID + len(forces.piston)
-    out = np.empty(modes + len(forces.block))
-    out[LATERAL] = forces.lateral
-    out[ROCKING] = forces.moment
-    for k in range(len(forces.piston)):
-        out[RIGID + k] = forces.piston[k]
-    for k in range(len(forces.block)):
-        out[modes + k] = forces.block[k]
+    out = np.concatenate((np.empty(RIGID), forces.piston, forces.block))
+    out[LATERAL], out[ROCKING] = forces.lateral, forces.moment
     return out
 
 

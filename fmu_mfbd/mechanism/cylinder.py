@@ -206,35 +206,18 @@ def _bodies_of(c):
     mass[piston], I0[piston] = c.piston.mass, c.piston.I0
     S[piston, X], S[piston, Y] = c.piston.S[X], c.piston.S[Y]
     modes[0, n], modes[1, n] = k, 2 * k * k
-    coupling = np.empty((2, k, k))
-    for i in range(k):
-        for j in range(k):
-            coupling[0, i, j], coupling[1, i, j] = c.piston.B[i, j], c.piston.G[i, j]
-    s, static = len(c.springs.stiffness), len(c.static.stiffness)
-    T, turned = np.empty((2, k + static)), np.empty((2, k + static))
-    for i in range(k):
-        T[X, i], T[Y, i] = c.piston.T[X, i], c.piston.T[Y, i]
-        turned[0, i], turned[1, i] = c.piston.b[i], c.piston.g[i]
-    for i in range(static):
-        T[X, k + i], T[Y, k + i] = c.static.T[X, i], c.static.T[Y, i]
-        turned[0, k + i], turned[1, k + i] = c.static.b[i], c.static.g[i]
-    springs = np.empty((2, k + s))
-    for i in range(k):
-        springs[0, i], springs[1, i] = c.piston.stiffness[i], c.piston.damping[i]
-    for i in range(s):
-        springs[0, k + i], springs[1, k + i] = c.springs.stiffness[i], c.springs.damping[i]
     return Bodies(
-        mass,
-        I0,
-        S,
-        modes[0],
-        modes[1],
-        T,
-        turned[0],
-        turned[1],
-        coupling.reshape(2 * k * k),
-        springs[0],
-        springs[1],
+        mass=mass,
+        I0=I0,
+        S=S,
+        first_mode=modes[0],
+        first_entry=modes[1],
+        T=np.concatenate((c.piston.T, c.static.T), axis=1),
+        b=np.concatenate((c.piston.b, c.static.b)),
+        g=np.concatenate((c.piston.g, c.static.g)),
+        coupling=np.concatenate((c.piston.B, c.piston.G)).reshape(2 * k * k),
+        stiffness=np.concatenate((c.piston.stiffness, c.springs.stiffness)),
+        damping=np.concatenate((c.piston.damping, c.springs.damping)),
     )
 
 
