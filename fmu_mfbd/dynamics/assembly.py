@@ -35,7 +35,7 @@ from .gas_on_bore import BoreWall, bore_wall
 from .half_films import half_films, is_halved
 from .modal_damping import ModalSprings, modal_springs
 from .model import PistonInBore
-from .motion_in_space import SpaceBodies, SpaceBody, Stop
+from .motion_in_space import SpaceBodies, SpaceBody, Stop, without_piston
 from .parameters import Parameters, Settings, SpaceParameters, settings_of
 from .pin_axis import pin_beam, pin_rows, pin_span, pin_surfaces, put_beam
 from .pin_films import undamp_static
@@ -363,7 +363,8 @@ def _in_space(
     solid = parameters.pin_mass * (radius**2 / 4 + length**2 / 12)  # Eq. (J21)
     parts = SpaceBodies(
         piston=body,
-        mechanism=planar.system.mechanism,
+        chain=without_piston(planar.system.chain),
+        pin_mass=parameters.pin_mass,
         pin_inertia=space.pin_cross_inertia or solid,
         tilt=parameters.pin_tilt,
         pin_offset=options.piston.pin_offset,

@@ -4,8 +4,8 @@ The coordinates are [x_A, rocking angle, z, roll, yaw].
 
 z is the shift of A along the pin, +z; roll and yaw are rotations about x and y of the axes that
 turn with the rocking angle. They are small, and the equations of first order in them; the motion in
-the plane is that of `mechanism`. The rod stays in its plane: its eye slides along the pin, and
-holds it square by what `Stop` says.
+the plane is that of `mechanism`, on whose chain the piston acts by the force that it needs. The rod
+stays in its plane: its eye slides along the pin, and holds it square by what `Stop` says.
 
 How stiff rod and eye are. The rod's bending across its plane, 3 E I/L = 95 kN m/rad for a web of
 15 000 mm^4 and 100 mm, the eye and the big end in series with it, and the play of both in their
@@ -17,12 +17,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry.pin import turned
-from .block_force import BlockForce, all_on_block
+from ...master.fmi.compiled import compiled
+from ..mechanism.chain import Chain
+from ..mechanism.equations import forces_at, friction_at
+from ..mechanism.loads import loads_at
+from ..mechanism.motion import ChainMotion, chain_motion
+from .block_force import BlockForce, block_force
+from .carrier import FIXED
+from .floating_frame import TURN, X, Y
 from .generalised_alpha import Motion
-from .pin_friction import friction_moment
-from .piston_motion import LATERAL, ROCKING, Load, lateral_motion
-from .slider_crank import CrankMotion, Link, Mechanism, carried_mass, height, motion
+from .pin_films import forces_of
+from .piston_motion import LATERAL, RIGID, ROCKING, Load
+from .slider_crank import CrankMotion
 
 SHIFT, ROLL, YAW = 2, 3, 4
 """Coordinates beside x_A and the rocking angle."""
@@ -66,7 +72,10 @@ class SpaceBodies(NamedTuple):
     Parameters
     ----------
     piston : SpaceBody
-    mechanism : Mechanism
+    chain : Chain
+        Crank, rod with the tied pin, and a piston without inertia, see `without_piston`.
+    pin_mass : float
+        [kg]
     pin_inertia : float
         Of the pin about a diameter, at A [kg m2].
     tilt : float
@@ -78,7 +87,8 @@ class SpaceBodies(NamedTuple):
     """
 
     piston: SpaceBody
-    mechanism: Mechanism
+    chain: Chain
+    pin_mass: float
     pin_inertia: float
     tilt: float
     pin_offset: float
@@ -123,20 +133,6 @@ class Spin(NamedTuple):
     change: np.ndarray
 
 
-class SpaceKinematics(NamedTuple):
-    """Positions of all parts: link, axes R (2, 2), and acceleration of A (2,) in space.
-
-    It also has the piston without and with the pin, which turns with it except for the rocking
-    angle.
-    """
-
-    link: Link
-    axes: np.ndarray
-    of_A: np.ndarray
-    spin: Spin
-    together: SpaceBody
-
-
 class SpaceImbalance(NamedTuple):
     """Imbalance of the equations, and the forces between the bodies.
 
@@ -154,6 +150,10 @@ class SpaceImbalance(NamedTuple):
         Of the rod on the pin: force along z of stop and damper [N], moments about x and y [N m].
     torque : float
         Of the drive on the crank [N m].
+    on_block : ndarray, shape (3,)
+        As of `ChainForces` [N], [N m].
+    motion : ChainMotion
+        In the plane.
     """
 
     residual: np.ndarray
@@ -162,14 +162,26 @@ class SpaceImbalance(NamedTuple):
     from_rod: np.ndarray
     held: np.ndarray
     torque: float
+    on_block: np.ndarray
+    motion: ChainMotion
 
 
+def without_piston(chain: Chain) -> Chain:
+    """Return a chain with a last body without inertia."""
+    last = np.arange(len(chain.bodies.mass)) == len(chain.bodies.mass) - 1
+    mass, I0 = (np.where(last, 0.0, one) for one in (chain.bodies.mass, chain.bodies.I0))
+    S = np.where(last[:, None], 0.0, chain.bodies.S)
+    return chain._replace(bodies=chain.bodies._replace(mass=mass, I0=I0, S=S))
+
+
+@compiled
 def skew(vector: np.ndarray) -> np.ndarray:
     """Return the matrix of v x, (3, 3)."""
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
+@compiled
 def held(stop: Stop, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """Return the force of a stop against a motion of n coordinates in any direction, (n,).
 
@@ -180,12 +192,13 @@ def held(stop: Stop, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     stop : Stop
     position, velocity : ndarray, shape (n,)
     """
-    size = float(np.linalg.norm(position))
+    size = np.sqrt((position * position).sum())
     # Eq. (K17)
     share = 1 - stop.play / size if size > stop.play else 0.0
     return stop.stiffness * share * position + stop.damping * velocity
 
 
+@compiled
 def needed(body: SpaceBody, spin: Spin) -> tuple[np.ndarray, np.ndarray]:
     """Return force [N] and moment about A [N m] of a motion, (3,) each, in the turning axes.
 
@@ -209,44 +222,38 @@ def needed(body: SpaceBody, spin: Spin) -> tuple[np.ndarray, np.ndarray]:
     return force, moment
 
 
-def place_of(bodies: SpaceBodies, now: Motion, crank: CrankMotion) -> SpaceKinematics:
-    """Return the position and motion of all parts.
+@compiled
+def spin_of(bodies: SpaceBodies, at: ChainMotion, now: Motion) -> Spin:
+    """Return the motion of the piston, whose motion in the plane is `at`.
 
     Eq. (K18):  A'' = (x_A'', Y'', z''),   t = (roll, yaw, 0),   W = (roll', yaw', w)
                 W' = (roll'' - w yaw', yaw'' + w roll', w')        w the rocking velocity
-
-    Parameters
-    ----------
-    bodies : SpaceBodies
-    now : Motion
-        n = 5.
-    crank : CrankMotion
     """
-    mechanism = bodies.mechanism
     q, dq, ddq = now
-    link = motion(mechanism, lateral_motion(now), crank)
-    axes = turned(q[ROCKING])
-    # Eq. (K18)
-    of_A = np.array([ddq[LATERAL], link.axial_acceleration])
+    (c, s), (x, y, _) = at.axes[-1], at.acceleration[-1]
     w = dq[ROCKING]
-    spin = Spin(
-        acceleration=np.array([*(axes.T @ of_A), ddq[SHIFT]]),
-        tilt=np.array([bodies.tilt + q[ROLL], q[YAW], 0.0]),
-        velocity=np.array([dq[ROLL], dq[YAW], w]),
-        change=np.array([ddq[ROLL] - w * dq[YAW], ddq[YAW] + w * dq[ROLL], ddq[ROCKING]]),
+    # Eq. (K18)
+    return Spin(
+        np.array([c * x + s * y, c * y - s * x, ddq[SHIFT]]),
+        np.array([bodies.tilt + q[ROLL], q[YAW], 0.0]),
+        np.array([dq[ROLL], dq[YAW], w]),
+        np.array([ddq[ROLL] - w * dq[YAW], ddq[YAW] + w * dq[ROLL], ddq[ROCKING]]),
     )
-    return SpaceKinematics(link, axes, of_A, spin, with_pin(bodies))
 
 
+@compiled
 def with_pin(bodies: SpaceBodies) -> SpaceBody:
     """Return the piston with the pin's inertia about its diameters.
 
     The pin does not turn with the rocking angle, and its mass at A is counted separately.
     """
-    thin = bodies.pin_inertia * np.diag([1.0, 1.0, 0.0])
-    return bodies.piston._replace(J=bodies.piston.J + thin)
+    J = bodies.piston.J.copy()
+    J[0, 0] += bodies.pin_inertia
+    J[1, 1] += bodies.pin_inertia
+    return SpaceBody(bodies.piston.mass, bodies.piston.S, J)
 
 
+@compiled
 def imbalance(
     bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMotion
 ) -> SpaceImbalance:
@@ -258,9 +265,10 @@ def imbalance(
                 roll:   M_x - z (T_y - guided) - load_roll + K_roll = 0
                 yaw:    M_y + z T_x + roll guided (p + x_A) - load_yaw + K_yaw = 0
                 G = R F - load,   T = G + m_pin A''
-    F, M of Eq. (D26), of piston and pin; G: force of the pin on the piston; T: that of the rod on
-    the pin, square to it, in the rod's plane; M: friction of the pin (Eq. (K7)); K: what stops and
-    dampers hold (Eq. (K17)); p: the pin offset. With z = roll = yaw = 0 the pin is tied.
+    F, M of Eq. (D26), of piston and pin; rod: its inertia (Eq. (D61)); G: force of the pin on the
+    piston; T: that of the rod on the pin, square to it, in the rod's plane; M: friction of the pin
+    (Eq. (K7)); K: what stops and dampers hold (Eq. (K17)); p: the pin offset. With z = roll = yaw =
+    0 the pin is tied.
     Gas stays on the bore's axis and leans with the crown: upright, it would not balance the rod's
     force under a pin that has rolled with the piston. The moment about A that leaning has by the
     height of the rings is left out, as it is in the plane (Eq. (D8)).
@@ -273,42 +281,56 @@ def imbalance(
         n = 5.
     crank : CrankMotion
     """
-    mechanism = bodies.mechanism
-    at = place_of(bodies, now, crank)
-    force, moment = needed(at.together, at.spin)
-    *in_plane, force_z = force
-    moment_x, moment_y, moment_z = moment
+    chain, last = bodies.chain, len(bodies.chain.bodies.mass) - 1
+    plane = Motion(now.position[:RIGID], now.velocity[:RIGID], now.acceleration[:RIGID])
+    at = chain_motion(chain.joints, plane, crank)
+    spin = spin_of(bodies, at, now)
+    force, moment = needed(with_pin(bodies), spin)
+    c, s = at.axes[last]
+    x, y = c * force[X] - s * force[Y], s * force[X] + c * force[Y]
+    loads = loads_at(chain, forces_of(chain, plane_load(load)), at, plane)
     # Eq. (D27)
-    on_piston = at.axes @ in_plane - [load.lateral, load.axial]
-    pull = on_piston + mechanism.pin_mass * at.of_A
-    slip = now.velocity[ROCKING] - at.link.rod.velocity
-    pin_x, pin_y = on_piston
-    friction = friction_moment(mechanism.friction, float(pin_x), float(pin_y), slip).moment
+    skirt = loads.wrench[0]
+    skirt[X] -= x
+    skirt[Y] -= y
+    skirt[TURN] -= moment[TURN]
+    own = forces_at(chain, loads, at, plane, FIXED)
+    on_piston = own.joints[last, :TURN].copy()
+    pull = on_piston + bodies.pin_mass * at.acceleration[last, :TURN]
     q = now.position
-    roll, *_ = at.spin.tilt
-    pull_x, pull_y = pull
-    along, about_x, about_y = _held(bodies, now)
-    load_z, load_roll, load_yaw = load.across
-    rod_force = at.link.rod_force + friction * at.link.rod.slope
-    square = _square(load, pull, at.spin.tilt)
-    z = q[SHIFT]
-    arm = bodies.pin_offset + q[LATERAL]
-    residual = np.array(
+    roll, z, arm = spin.tilt[0], q[SHIFT], bodies.pin_offset + q[LATERAL]
+    holding, across = _held(bodies, now), load.across
+    carried = bodies.pin_mass * now.acceleration[SHIFT]
+    beside = np.array(
         [
-            pull_x + at.link.slope * pull_y + rod_force,
-            moment_z - friction - (load.moment + load.guided * q[LATERAL]),
-            force_z + mechanism.pin_mass * now.acceleration[SHIFT] - square - load_z + along,
-            moment_x - z * (pull_y - load.guided) - load_roll + about_x,
-            moment_y + z * pull_x + roll * load.guided * arm - load_yaw + about_y,
+            force[2] + carried - _square(load, pull, spin.tilt) - across[0],
+            moment[X] - z * (pull[Y] - load.guided) - across[1],
+            moment[Y] + z * pull[X] + roll * load.guided * arm - across[2],
         ]
     )
-    lever = at.link.slope * mechanism.crank_radius * np.cos(crank.angle)
-    lever -= mechanism.crank_radius * np.sin(crank.angle)
-    torque = pull_y * lever + at.link.rod_moment + friction * at.link.rod.lever
-    holding = -np.array([along, about_x, about_y])
-    return SpaceImbalance(residual, on_piston, friction, pull, holding, float(torque))
+    on_block = own.on_block
+    on_block[X] -= x
+    on_block[Y] -= y
+    on_block[TURN] -= at.position[last, X] * y - at.position[last, Y] * x + moment[TURN]
+    return SpaceImbalance(
+        np.concatenate((own.residual, beside + holding)),
+        on_piston,
+        friction_at(chain.joints, at, own.joints, last).moment,
+        pull,
+        -holding,
+        own.torque,
+        on_block,
+        at,
+    )
 
 
+@compiled
+def plane_load(load: SpaceLoad) -> Load:
+    """Return the load in the plane."""
+    return Load(load.lateral, load.axial, load.moment, load.guided, np.zeros(0), FIXED)
+
+
+@compiled
 def _square(load, pull, tilt):
     """Return the force along z of rod and gas on a pin that is tilted."""
     roll, yaw, _ = tilt
@@ -316,12 +338,15 @@ def _square(load, pull, tilt):
     return roll * (pull_y - load.guided) - yaw * pull_x
 
 
+@compiled
 def _held(bodies, now):
     """Return what holds z, roll and yaw, (3,)."""
-    ways = (bodies.along, slice(SHIFT, ROLL)), (bodies.askew, slice(ROLL, COORDINATES))
-    return np.concatenate([held(stop, now.position[way], now.velocity[way]) for stop, way in ways])
+    q, v = now.position, now.velocity
+    along = held(bodies.along, q[SHIFT:ROLL], v[SHIFT:ROLL])
+    return np.concatenate((along, held(bodies.askew, q[ROLL:], v[ROLL:])))
 
 
+@compiled
 def tangent(
     bodies: SpaceBodies, load: SpaceLoad, now: Motion, crank: CrankMotion, c1: float, c2: float
 ) -> np.ndarray:
@@ -339,35 +364,32 @@ def tangent(
         `Coefficients.to_velocity`, `Coefficients.to_position`.
     """
 
-    def residual(way: np.ndarray) -> np.ndarray:
-        moved = Motion(*(one + c * way for one, c in zip(now, (c2, c1, 1.0))))
-        return imbalance(bodies, load, moved, crank).residual
+    out = np.empty((COORDINATES, COORDINATES))
+    for j in range(COORDINATES):
+        for sign in (-0.5, 0.5):
+            way = np.zeros(COORDINATES)
+            way[j] = 2 * sign
+            moved = Motion(now.position + c2 * way, now.velocity + c1 * way, now.acceleration + way)
+            residual = imbalance(bodies, load, moved, crank).residual
+            for i in range(COORDINATES):
+                out[i, j] = sign * residual[i] + (out[i, j] if sign > 0.0 else 0.0)
+    return out
 
-    return np.column_stack([(residual(way) - residual(-way)) / 2 for way in np.eye(COORDINATES)])
 
-
-def block_force(
-    bodies: SpaceBodies,
-    load: SpaceLoad,
-    crank_unbalance: float,
-    now: Motion,
-    crank: CrankMotion,
-    lack: SpaceImbalance,
+def forces_on_block(
+    bodies: SpaceBodies, load: SpaceLoad, now: Motion, lack: SpaceImbalance
 ) -> tuple[BlockForce, tuple[float, float, float]]:
     """Return the forces on the block in the plane, then force along z and moments about x and y.
 
-    Eq. (D53):  F_b = -(T + m_r G'' + U u''),   F and M_z of Eq. (D25), u towards the crank pin
-                F_z = -Z,   Z = roll (T_y - guided) - yaw T_x + load_z - K_z
+    Eq. (D53):  F_z = -Z,   Z = roll (T_y - guided) - yaw T_x + load_z - K_z
                 M_x = -(load_roll - K_roll + Y Z - z (load_y + guided))
                 M_y = -(load_yaw - K_yaw - x Z + z load_x - guided roll (p + x_A))
                 (x, Y, z): A from the crank axis, the rest of Eq. (D27)
 
     Parameters
     ----------
-    bodies, load, now, crank
+    bodies, load, now
         As for `imbalance`.
-    crank_unbalance : float
-        U [kg m].
     lack : SpaceImbalance
         Of the same motion.
 
@@ -376,26 +398,17 @@ def block_force(
     BlockForce, tuple
         All that acts on the block, the main bearings' too, on the crank axis [N], [N m].
     """
-    mechanism = bodies.mechanism
-    at = place_of(bodies, now, crank)
-    k = mechanism.rod_centre
-    towards = np.array([-np.sin(crank.angle), np.cos(crank.angle)])
-    onward = np.array([-towards[1], towards[0]])
-    flung = onward * crank.acceleration - towards * crank.speed**2
-    rod = (1 - k) * mechanism.crank_radius * flung + k * at.of_A
-    # Eq. (D53)
-    bearing = -(lack.from_rod + mechanism.rod_mass * rod + crank_unbalance * flung)
-    lateral, _, z, *_ = now.position
-    x = mechanism.offset + lateral
-    y = height(mechanism, lateral, crank.angle).height
-    plane = Load(load.lateral, load.axial, load.moment, load.guided, np.zeros(0))
+    lateral, _, z, roll, yaw = now.position
+    x, y = lack.motion.position[-1]
+    tilt = np.array([bodies.tilt + roll, yaw, 0.0])
     along, about_x, about_y = lack.held
     load_z, load_roll, load_yaw = load.across
-    needed_z = _square(load, lack.from_rod, at.spin.tilt) + load_z + along
-    leaning = load.guided * at.spin.tilt[0] * (bodies.pin_offset + lateral)
+    # Eq. (D53)
+    needed_z = _square(load, lack.from_rod, tilt) + load_z + along
+    leaning = load.guided * tilt[0] * (bodies.pin_offset + lateral)
     moment_x = load_roll + about_x + y * needed_z - z * (load.axial + load.guided)
     moment_y = load_yaw + about_y - x * needed_z + z * load.lateral - leaning
-    on = all_on_block(plane, lateral, x, y, *bearing)
+    on = block_force(plane_load(load), np.zeros(RIGID), lack.on_block)
     return on, (-needed_z, -moment_x, -moment_y)
 
 
@@ -430,12 +443,5 @@ def inertia(bodies: SpaceBodies) -> np.ndarray:
     W = np.array([roll, yaw, rocking])
     # Eq. (D28)
     coupled = V.T @ (-skew(body.S)) @ W
-    mass = body.mass + bodies.mechanism.pin_mass
+    mass = body.mass + bodies.pin_mass
     return mass * V.T @ V + coupled + coupled.T + W.T @ body.J @ W
-
-
-def inertia_with_rod(bodies: SpaceBodies) -> np.ndarray:
-    """Return M of `inertia` and of the rod that swings with x_A (Eq. (K12))."""
-    M = inertia(bodies)
-    M[LATERAL, LATERAL] += carried_mass(bodies.mechanism)
-    return M

@@ -11,10 +11,12 @@ import numpy as np
 
 from ..geometry.film import NodalForces
 from ..geometry.space import Levers, levers, slope_around
+from ..mechanism.cylinder import BODY
 from ..mechanism.solution import no_linearisation
 from .block_force import NO_FORCE
 from .carrier import FIXED
 from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
+from .floating_frame import TURN, Y
 from .generalised_alpha import Coefficients, Motion, predict
 from .impact import UNLIMITED, Inertia, limit_memory, longest_step
 from .instant import Instant, load_of
@@ -28,16 +30,15 @@ from .motion_in_space import (
     SpaceBodies,
     SpaceImbalance,
     SpaceLoad,
-    block_force,
+    forces_on_block,
     imbalance,
     inertia,
-    inertia_with_rod,
     pushed,
     tangent,
     with_pin,
 )
 from .pin_outputs import NO_PIN
-from .piston_motion import LATERAL, RIGID, ROCKING, lateral_motion
+from .piston_motion import LATERAL, RIGID, ROCKING
 from .response import Response, load_change
 from .skirt_films import (
     AxialMotion,
@@ -50,7 +51,7 @@ from .skirt_films import (
     together,
     window_of,
 )
-from .slider_crank import CrankMotion, height, motion
+from .slider_crank import CrankMotion, height
 from .step import StepInputs, StepResult
 from .system import StepProblem
 
@@ -135,7 +136,8 @@ class PistonInSpace(PistonInBore):
         self.bodies = bodies
         self.around = tuple(slope_around(one.bore) for one in self.film_surfaces)
         self.inertia = inertia(bodies)
-        self.with_rod = inertia_with_rod(bodies)
+        self.with_rod = self.inertia.copy()
+        self.with_rod[:RIGID, :RIGID] += self.system.with_rod.top - self.system.inertia.top
 
     def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> Instant:
         """Return everything at the end of a step, as `instant.end_of_step`."""
@@ -160,8 +162,9 @@ class PistonInSpace(PistonInBore):
         kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
         longest = self._limit(before, kept, carried, c.step)
 
-        now = height(system.mechanism, end.position[LATERAL], crank.angle)
-        axial_velocity = now.slope * end.velocity[LATERAL] + now.lever * crank.speed
+        lack = solved.lack
+        at = lack.motion
+        axial_velocity = at.velocity[-1, Y]
         on_grids = self._films(guided, forces, nodal, parts, axial_velocity, end)
         driven = c.step * (skirt.axial * axial_velocity + on_grids.on_slopes * guided.velocity)
         films = np.array([skirt.lateral, skirt.moment, *across])
@@ -172,11 +175,8 @@ class PistonInSpace(PistonInBore):
             M @ mean_acceleration(before, end),
             self.inertia @ kept.velocity,
         )
-        lack = solved.lack
         pin_x, pin_y = lack.on_piston
-        rod = motion(system.mechanism, lateral_motion(end), crank).rod
-        unbalance = self.model.settings.crank_unbalance
-        on_block, self._across = block_force(self.bodies, load, unbalance, end, crank, lack)
+        on_block, self._across = forces_on_block(self.bodies, load, end, lack)
         turning = on_grids.on_slopes * upright.lever
         on_block = on_block._replace(  # Eq. (D70)
             moment_on_block=on_block.moment_on_block - turning,
@@ -193,12 +193,13 @@ class PistonInSpace(PistonInBore):
             guided=guided.height,
             side_force=-skirt.lateral,
             films=on_grids,
-            axial=AxialMotion(now.height, axial_velocity),
+            axial=AxialMotion(at.position[-1, Y], axial_velocity),
             pin_x=pin_x,
             pin_y=pin_y - on_grids.on_slopes,
             pin_moment=lack.pin_moment,
             torque=lack.torque - turning,
-            pin_friction_power=lack.pin_moment * (rod.velocity - end.velocity[ROCKING]),
+            pin_friction_power=lack.pin_moment
+            * (at.velocity[BODY.rod, TURN] - at.velocity[-1, TURN]),
             element_power=0.0,
             evaluations=solved.evaluations,
             tangents=solved.tangents,
@@ -315,7 +316,7 @@ class PistonInSpace(PistonInBore):
         No film stops yaw.
         """
         body = with_pin(self.bodies)
-        mass = body.mass + self.system.mechanism.pin_mass
+        mass = body.mass + self.bodies.pin_mass
         in_plane = Inertia(mass, body.S[1], body.J[2, 2])
         across = Inertia(mass, -body.S[1], body.J[0, 0])
         longest = UNLIMITED
@@ -363,8 +364,10 @@ class PistonInSpace(PistonInBore):
         # Eq. (D29)
         place = c.to_position * acceleration
         speed = c.to_velocity * acceleration
-        link = motion(system.mechanism, lateral_motion(end), crank)
-        rising = link.slope * speed[LATERAL] + link.axial_by_velocity / 2 * place[LATERAL]
+        at = solved.lack.motion
+        (x, y), (passing, _, _) = at.arm[-1], at.velocity[-1] - at.velocity[BODY.rod]
+        steeper = (x * x + y * y) / y**3 * passing
+        rising = -x / y * speed[LATERAL] - steeper * place[LATERAL]
         in_plane = Change(place[:RIGID], speed[:RIGID])
         flat = skirt_changes(system, guided, rising, in_plane, Change(NO_MODES, NO_MODES))
         return Response(

@@ -12,7 +12,7 @@ import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.instant import of_skirt
-from piston_cosim.fmu_mfbd.dynamics.motion_in_space import block_force, imbalance, tangent
+from piston_cosim.fmu_mfbd.dynamics.motion_in_space import forces_on_block, imbalance, tangent
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.pin_shells import play_at, shapes_of
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
@@ -169,10 +169,9 @@ def missed_in_space(size, direction):
     crank = CrankMotion(0.3, SPEED, 0.0)
     begin = crank.angle / SPEED
     of.rates(begin, size * direction)  # sets where it is pushed
-    bodies, load = space_bodies(of), load_on(of)
+    bodies, load = space_bodies(of, 3e-3), load_on(of)
     aside = np.array([3e-3, 0.0, 0.0, 0.0, 0.0])
-    mechanism = bodies.mechanism._replace(offset=3e-3)
-    bodies = bodies._replace(mechanism=mechanism, pin_offset=2e-3)
+    bodies = bodies._replace(pin_offset=2e-3)
     load = load._replace(lateral=load.lateral - 800.0, axial=load.axial + 700.0)
     position, velocity = np.split(size * direction, 2)
     now = Motion(position, velocity, np.zeros(5))
@@ -181,7 +180,7 @@ def missed_in_space(size, direction):
         slope = tangent(bodies, load, now, crank, 0.0, 0.0)
         change = np.linalg.solve(slope, lack.residual)
         now = now._replace(acceleration=now.acceleration - change)
-    on, (force_z, *across) = block_force(bodies, load, 0.0, now, crank, lack)
+    on, (force_z, *across) = forces_on_block(bodies, load, now, lack)
     about_z = on.moment_on_block - lack.torque
     found = on.force_on_block_x, on.force_on_block_y, force_z, *across, about_z
     masses = np.array([*of.masses, 0.25, 0.25, 0.85, 0.85])[:, None]

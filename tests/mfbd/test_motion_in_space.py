@@ -44,7 +44,9 @@ from piston_cosim.fmu_mfbd.geometry.profile import BoreOrder, fourier_bore
 from piston_cosim.fmu_mfbd.native import uncovered
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston, load
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.tests.verification.cases.tied import tied_pin
 
+from .chains import rigid
 from .conftest import quiet, sheets
 from .differences import products_by_differences, rough_change
 from .pin_models import (
@@ -178,7 +180,7 @@ def test_inertia_matrix_is_the_kinetic_energy():
     mechanism = Mechanism(0.07, 0.22, 0.0, 1.0, 0.01, 0.3, 0.7)
     body = SpaceBody(float(masses.sum()), first, tensor)
     stop = Stop(0.0, 0.0, 0.0)
-    M = inertia(SpaceBodies(body, mechanism, 0.2, 0.0, 0.0, stop, stop))
+    M = inertia(SpaceBodies(body, plane_of(mechanism), 0.7, 0.2, 0.0, 0.0, stop, stop))
     q = rng.standard_normal(5)
     V, W = np.array([q[0], 0.0, q[2]]), np.array([q[3], q[4], q[1]])
     energy = sum(m * np.sum((V + np.cross(W, r)) ** 2) for m, r in zip(masses, points))
@@ -202,7 +204,7 @@ def test_an_instant_by_hand():
     position = np.array([0.0, 0.0, 10e-6, 1e-3, 2e-3])
     now = Motion(position, np.zeros(5), np.zeros(5))
     load = SpaceLoad(4e3, 3e3 - 20e3, 0.0, 20e3, np.array([0.5, 0.25, 0.125]))
-    bodies = model.bodies._replace(mechanism=model.bodies.mechanism._replace(offset=0.0))
+    bodies = model.bodies._replace(chain=plane_of(model.system.mechanism._replace(offset=0.0)))
     lack = imbalance(bodies, load, now, CrankMotion(0.0, 0.0, 0.0))
     np.testing.assert_allclose(lack.from_rod, [-4e3, 17e3], rtol=1e-12)
     wanted = [-17.0 + 20.0 - 8.0 - 0.5 + 2.0, 10e-6 * 3e3 - 0.25, -10e-6 * 4e3 + 20e-3 - 0.125]
@@ -422,15 +424,22 @@ def start_of(size):
     return size * np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.3, 2.0, 4.0, 60.0, -40.0])
 
 
-def space_bodies(of):
-    """Return the model's bodies for the same points, with crank and rod without offset."""
+def plane_of(mechanism):
+    """Return the chain of crank, rod and pin with a piston without inertia."""
+    return tied_pin(rigid(0.0), mechanism, 0.0)
+
+
+def space_bodies(of, offset=0.0):
+    """Return the model's bodies for the same points, with the cylinder beside the crank axis."""
     points, masses = of.points, of.masses
     tensor = sum(m * (r @ r * np.eye(3) - np.outer(r, r)) for m, r in zip(masses, points))
-    mechanism = Mechanism(72e-3, 223e-3, 0.0, 1.7, 0.017, 72 / 223, 0.5, PinFriction(0.0, 1.0, 0.0))
+    friction = PinFriction(0.0, 1.0, 0.0)
+    mechanism = Mechanism(72e-3, 223e-3, offset, 1.7, 0.017, 72 / 223, 0.5, friction)
     pin = 0.5 * 30e-3**2
     stop = Stop(0.0, of.stiffness, 0.0)
     body = SpaceBody(MASS, masses @ points, tensor)
-    return SpaceBodies(body, mechanism, pin, 0.0, of.offset, Stop(0.0, 0.0, 0.0), stop)
+    free = Stop(0.0, 0.0, 0.0)
+    return SpaceBodies(body, plane_of(mechanism), 0.5, pin, 0.0, of.offset, free, stop)
 
 
 def load_on(of):
