@@ -9,7 +9,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable, compiled
+from ...master.fmi.compiled import compilable
 from .floating_frame import TURN, X, Y
 from .piston_motion import Load
 
@@ -57,25 +57,3 @@ def block_force(load: Load, from_walls: np.ndarray, on_block: np.ndarray) -> Blo
     x, y = on_block[X], on_block[Y]
     bearing_x, bearing_y = x + load.lateral + from_walls[X], y + load.axial + from_walls[Y]
     return BlockForce(x, y, on_block[TURN], bearing_x, bearing_y)
-
-
-@compiled
-def all_on_block(
-    load: Load, lateral: float, x: float, y: float, bearing_x: float, bearing_y: float
-) -> BlockForce:
-    """Return the forces on the block from those on its main bearings.
-
-    Parameters
-    ----------
-    load : Load
-        On the piston.
-    lateral, x, y : float
-        x_A, and the place of A [m].
-    bearing_x, bearing_y : float
-        F_b of Eq. (D24) [N].
-    """
-    about_a = load.moment + load.guided * lateral
-    moment = about_a + x * load.axial - y * load.lateral
-    return BlockForce(
-        bearing_x - load.lateral, bearing_y - load.axial, -moment, bearing_x, bearing_y
-    )

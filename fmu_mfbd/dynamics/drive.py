@@ -13,7 +13,7 @@ from ..mechanism.chain import Bodies
 from .account import EnergyAccount
 from .instant import Instant
 from .piston_motion import LATERAL, ROCKING
-from .slider_crank import CrankMotion, LateralMotion, PistonLoad, motion, side_force_demand
+from .slider_crank import CrankMotion, PistonLoad, side_force_demand
 from .system import BodySystem, OtherForces, rigid_piston
 
 
@@ -90,20 +90,6 @@ def demand_of(system: BodySystem, others: OtherForces, crank: CrankMotion) -> fl
     mass = rigid_piston(system).mass
     load = PistonLoad(mass, others.gas, others.rings.lateral, others.rings.axial)
     return side_force_demand(system.mechanism, load, crank)
-
-
-@compilable
-def moved_inertia(system: BodySystem, crank_angle: float) -> float:
-    """Return the moment of inertia that pin, piston and rod add to the crank [kg m2].
-
-    Torque of the drive per angular acceleration, for a rigid piston in the middle of the bore.
-
-    Eq. (K28):  J = m Y_phi^2 + M(w = 0, w' = 1)    Y of Eq. (K1), M of Eq. (K5), m piston and pin
-    """
-    turning = CrankMotion(crank_angle, 0.0, 1.0)
-    link = motion(system.mechanism, LateralMotion(0.0, 0.0, 0.0), turning)
-    mass = rigid_piston(system).mass
-    return mass * link.axial_acceleration**2 + link.rod_moment  # Eq. (K28)
 
 
 @compilable

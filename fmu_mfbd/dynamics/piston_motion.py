@@ -2,11 +2,8 @@
 
 from typing import NamedTuple
 
-from ...master.fmi.compiled import compiled
 from ..geometry.arrays import Vector
 from .carrier import FIXED, Carrier
-from .generalised_alpha import Motion
-from .slider_crank import LateralMotion
 
 LATERAL = 0
 ROCKING = 1
@@ -40,9 +37,3 @@ class Load(NamedTuple):
     guided: float
     modal: Vector
     carrier: Carrier = FIXED
-
-
-@compiled
-def lateral_motion(now: Motion) -> LateralMotion:
-    """Return the motion of A across the bore, from the piston's coordinates."""
-    return LateralMotion(now.position[LATERAL], now.velocity[LATERAL], now.acceleration[LATERAL])

@@ -70,20 +70,6 @@ def driven(before: CrankMotion, step: float, speed: float) -> CrankMotion:
     )
 
 
-class LateralMotion(NamedTuple):
-    """Motion of A across the bore at an instant.
-
-    Parameters
-    ----------
-    position, velocity, acceleration : float
-        x_A from its concentric place [m], [m/s], [m/s2].
-    """
-
-    position: float
-    velocity: float
-    acceleration: float
-
-
 class Height(NamedTuple):
     """Height of A and its slopes.
 
@@ -100,50 +86,6 @@ class Height(NamedTuple):
     height: float
     slope: float
     lever: float
-
-
-class RodTurn(NamedTuple):
-    """Rotation of the rod; its angle psi about +z is 0 if it is upright.
-
-    Parameters
-    ----------
-    velocity : float
-        psi' [rad/s].
-    slope : float
-        dpsi/dx_A [1/m].
-    lever : float
-        dpsi/dphi [-].
-    """
-
-    velocity: float
-    slope: float
-    lever: float
-
-
-class Link(NamedTuple):
-    """Acceleration of A along y, and the rod's share of the equations of motion.
-
-    Parameters
-    ----------
-    axial_acceleration : float
-        Y'' [m/s2].
-    axial_by_velocity : float
-        Its slope against x_A' [1/s].
-    slope : float
-        dY/dx_A [-].
-    rod_force : float
-        Inertia force of the rod on x_A [N].
-    rod_moment : float
-        Inertia moment of the rod on phi [N m].
-    rod : RodTurn
-    """
-
-    axial_acceleration: float
-    axial_by_velocity: float
-    slope: float
-    rod_force: float
-    rod_moment: float
-    rod: RodTurn
 
 
 @compiled
@@ -174,91 +116,29 @@ def height(mechanism: Mechanism, lateral: float, crank_angle: float) -> Height:
 
 
 @compiled
-def motion(mechanism: Mechanism, lateral: LateralMotion, crank: CrankMotion) -> Link:
-    """Return the acceleration of A along y and the rod's share of the equations of motion.
+def moved_inertia(mechanism: Mechanism, mass: float, crank_angle: float) -> float:
+    """Return the moment of inertia that pin, piston and rod add to the crank [kg m2].
 
-    Eq. (K2):  Y'' = -r cos(phi) w^2 - r sin(phi) w' + f1 xi'' + f2 xi'^2
-               f1 = -xi/f,  f2 = -L^2/f^3        derivatives of f(xi), Eq. (K1)
-    Eq. (K3):  psi = -asin(xi/L),  psi'' = psi1 xi'' + psi2 xi'^2
-               psi1 = -1/f,  psi2 = -xi/f^3         the rod's angle
-    Eq. (K4):  on x_A:  k m_r e . G'' + J_r psi1 psi'',  e = (1, f1)
-    Eq. (K5):  on phi:  m_r G_phi . G'' + J_r psi_phi psi''
-               G = (1 - k) P + k A  the rod's centre of mass, P the crank pin, k = rod_centre
-    Eq. (K6):  psi' = psi1 xi',  xi' = x_A' + r cos(phi) w        psi1 as in Eq. (K3)
+    Torque of the drive per angular acceleration, for a rigid piston in the middle of the bore.
+
+    Eq. (K28):  J = m Y_phi^2 + m_r |G_phi|^2 + J_r psi_phi^2,   G = (1 - k) P + k A
+                Y of Eq. (K1), psi of Eq. (K3), G the rod's centre of mass, P the crank pin
 
     Parameters
     ----------
     mechanism : Mechanism
-    lateral : LateralMotion
-    crank : CrankMotion
-
-    Returns
-    -------
-    Link
+    mass : float
+        m of piston and pin [kg].
+    crank_angle : float
+        phi [rad].
     """
-    r = mechanism.crank_radius
-    length = mechanism.rod_length
-    k = mechanism.rod_centre
-    mass = mechanism.rod_mass
-    inertia = mechanism.rod_inertia
-    sine = np.sin(crank.angle)
-    cosine = np.cos(crank.angle)
-    w = crank.speed
-
-    # acceleration of the crank pin
-    px = r * sine * w**2 - r * cosine * crank.acceleration
-    py = -r * cosine * w**2 - r * sine * crank.acceleration
-
-    # how far A stands beside the crank pin
-    xi = mechanism.offset + lateral.position + r * sine
-    xi_velocity = lateral.velocity + r * cosine * w
-    xi_acceleration = lateral.acceleration - px
-
-    # Eq. (K2)
-    f = np.sqrt(length**2 - xi**2)
-    f1 = -xi / f
-    f2 = -(length**2) / f**3
-    axial = py + f1 * xi_acceleration + f2 * xi_velocity**2
-
-    # Eq. (K3)
-    psi1 = -1 / f
-    psi2 = -xi / f**3
-    turn = psi1 * xi_acceleration + psi2 * xi_velocity**2
-
-    # Eq. (K4)
-    gx = k * lateral.acceleration + (1 - k) * px
-    gy = k * axial + (1 - k) * py
-    force = k * mass * (gx + f1 * gy) + inertia * psi1 * turn
-
-    # Eq. (K5)
-    gx_by_phi = -(1 - k) * r * cosine
-    gy_by_phi = -(1 - k) * r * sine + k * (-r * sine + f1 * r * cosine)
-    moment = mass * (gx_by_phi * gx + gy_by_phi * gy) + inertia * psi1 * r * cosine * turn
-
-    return Link(
-        axial_acceleration=axial,
-        axial_by_velocity=2 * f2 * xi_velocity,
-        slope=f1,
-        rod_force=force,
-        rod_moment=moment,
-        rod=RodTurn(
-            velocity=psi1 * xi_velocity,  # Eq. (K6)
-            slope=psi1,
-            lever=psi1 * r * cosine,
-        ),
-    )
-
-
-@compiled
-def carried_mass(mechanism: Mechanism) -> float:
-    """Return the mass of the rod that moves with x_A, without piston and pin [kg].
-
-    Eq. (K12):  m' = k^2 m_r + J_r / L^2        Eq. (K4) against x_A'', the rod upright
-
-    At a slant it is larger by shares of f1^2, as those of piston and pin are.
-    """
-    swinging = mechanism.rod_centre**2 * mechanism.rod_mass
-    return swinging + mechanism.rod_inertia / mechanism.rod_length**2  # Eq. (K12)
+    r, k = mechanism.crank_radius, mechanism.rod_centre
+    x, y = -r * np.cos(crank_angle), -r * np.sin(crank_angle)
+    upright = height(mechanism, 0.0, crank_angle)
+    turn = x / (upright.height + x)
+    gx, gy = (1 - k) * x, (1 - k) * y + k * upright.lever
+    moved = mass * upright.lever**2 + mechanism.rod_mass * (gx * gx + gy * gy)
+    return moved + mechanism.rod_inertia * turn * turn  # Eq. (K28)
 
 
 class PistonLoad(NamedTuple):
@@ -287,7 +167,11 @@ def side_force_demand(mechanism: Mechanism, load: PistonLoad, crank: CrankMotion
     The piston is rigid and has no friction. A film must carry this force on average.
 
     Eq. (K11):  F = F_x + f1 (F_y - p A - m Y'') - R    with x_A = x_A' = x_A'' = 0
-                Y'', f1 of Eq. (K2), R of Eq. (K4), F_x, F_y of the rings
+                F_x, F_y of the rings, the rest of Eqs. (K2), (K4)
+    Eq. (K2):  Y'' = -r cos(phi) w^2 - r sin(phi) w' + f1 xi'' + f2 xi'^2
+               f1 = -xi/f,  f2 = -L^2/f^3        derivatives of f(xi), Eq. (K1)
+    Eq. (K3):  psi = -asin(xi/L),  psi'' = -xi''/f - xi xi'^2/f^3        the rod's angle
+    Eq. (K4):  R = k m_r e . G'' - J_r psi''/f,   e = (1, f1),   G of Eq. (K28)
 
     Parameters
     ----------
@@ -300,6 +184,16 @@ def side_force_demand(mechanism: Mechanism, load: PistonLoad, crank: CrankMotion
     float
         On the bore, positive on the thrust side [N].
     """
-    link = motion(mechanism, LateralMotion(0.0, 0.0, 0.0), crank)
-    axial = load.rings_axial - load.gas - load.mass * link.axial_acceleration
-    return load.rings_lateral + link.slope * axial - link.rod_force  # Eq. (K11)
+    r, k, w = mechanism.crank_radius, mechanism.rod_centre, crank.speed
+    sine, cosine = np.sin(crank.angle), np.cos(crank.angle)
+    px = r * sine * w**2 - r * cosine * crank.acceleration
+    py = -r * cosine * w**2 - r * sine * crank.acceleration
+    xi, passing = mechanism.offset + r * sine, r * cosine * w
+    f = np.sqrt(mechanism.rod_length**2 - xi**2)
+    f1 = -xi / f
+    rising = py - f1 * px - mechanism.rod_length**2 / f**3 * passing**2  # Eq. (K2)
+    turning = px / f - xi / f**3 * passing**2  # Eq. (K3)
+    swing = (1 - k) * px + f1 * (k * rising + (1 - k) * py)
+    rod = k * mechanism.rod_mass * swing - mechanism.rod_inertia * turning / f  # Eq. (K4)
+    axial = load.rings_axial - load.gas - load.mass * rising
+    return load.rings_lateral + f1 * axial - rod  # Eq. (K11)

@@ -14,7 +14,7 @@ from .bdf2 import reach_of
 from .block_force import BlockForce
 from .carrier import Carrier, carrier_from
 from .contradictions import FAULT
-from .drive import Scalars, demand_of, moved_inertia, scalars_of
+from .drive import Scalars, demand_of, scalars_of
 from .floating_frame import TURN
 from .gas_on_bore import WallPressures
 from .instant import Instant, end_of_step
@@ -23,10 +23,10 @@ from .parameters import GAS_SOURCES, Settings
 from .pin_films import undamp_static
 from .response import Response, StepEnd, response
 from .skirt_films import skirt_slopes
-from .slider_crank import CrankMotion, driven, height
+from .slider_crank import CrankMotion, driven, height, moved_inertia
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, state_at
-from .system import BodySystem, OtherForces, RingForce, StepProblem, skirt_modes
+from .system import BodySystem, OtherForces, RingForce, StepProblem, rigid_piston, skirt_modes
 from .tables import GasTable, gas_pressure
 from .thermal_growth import (
     ColdWalls,
@@ -343,7 +343,9 @@ def result_of(
             (before.other_forces, now.other_forces),
             now.ledger.axial_work,
         )
-    inertia = settings.crank_inertia + moved_inertia(system, step.crank.angle)
+    inertia = settings.crank_inertia + moved_inertia(
+        system.mechanism, rigid_piston(system).mass, step.crank.angle
+    )
     return StepResult(
         now,
         scalars_of(

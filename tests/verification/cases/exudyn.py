@@ -22,10 +22,8 @@ from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     CrankMotion,
-    LateralMotion,
     Mechanism,
     height,
-    motion,
 )
 from piston_cosim.fmu_mfbd.mechanism.solution import solve_motion
 
@@ -221,11 +219,10 @@ def _start(mechanism: Mechanism, drive: Drive) -> Start:
     phi = drive.crank_angle
     r = mechanism.crank_radius
     above = height(mechanism, 0.0, phi)
-    turning = CrankMotion(phi, drive.crank_speed, 0.0)
-    link = motion(mechanism, LateralMotion(0.0, 0.0, 0.0), turning)
+    along = r * np.cos(phi)
     return Start(
         lever=above.lever,
-        turn=link.rod.velocity,
+        turn=-along * drive.crank_speed / (above.height - along),  # Eq. (K3)
         pin=np.array([-r * np.sin(phi), r * np.cos(phi), 0.0]),
         A=np.array([mechanism.offset, above.height, 0.0]),
     )
