@@ -175,7 +175,7 @@ def cylinder_chain(c: CylinderParts) -> Chain:
     joints = _joints_of(c, plays)
     elements = _elements_of(c, plays, joints.tip.shape[1])
     laws = _put_laws(c, elements)
-    return Chain(_bodies_of(c), joints, elements, laws, NONE, np.zeros((3, 3, 3)))
+    return Chain(_bodies_of(c, 1.0), joints, elements, laws, NONE, np.zeros((3, 3, 3)))
 
 
 @compilable
@@ -185,17 +185,17 @@ def _count(c):
 
 
 @compilable
-def _bodies_of(c):
-    """Return the inertia of crank, rod, pin and piston."""
+def _bodies_of(c, of_rod):
+    """Return the inertia of crank, rod, pin and piston, with a share of that of crank and rod."""
     n, k = _count(c), len(c.piston.stiffness)
     piston = n - 1
-    rod, centre = c.mechanism.rod_mass, c.mechanism.rod_centre * c.mechanism.rod_length
+    rod, centre = of_rod * c.mechanism.rod_mass, c.mechanism.rod_centre * c.mechanism.rod_length
     masses, S, modes = np.zeros((2, n)), np.zeros((n, 2)), np.zeros((2, n + 1), np.int64)
     mass, I0 = masses[0], masses[1]
-    mass[BODY.crank] = c.crank_mass if c.main_bearing else 0.0
+    mass[BODY.crank] = of_rod * c.crank_mass if c.main_bearing else 0.0
     S[BODY.crank, Y] = c.unbalance
     mass[BODY.rod], S[BODY.rod, Y] = rod, rod * centre
-    I0[BODY.rod] = c.mechanism.rod_inertia + rod * centre**2
+    I0[BODY.rod] = of_rod * c.mechanism.rod_inertia + rod * centre**2
     if c.floats:
         mass[BODY.pin], I0[BODY.pin] = c.mechanism.pin_mass, c.spin_inertia
     else:
@@ -445,38 +445,10 @@ def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
     of_rod : float
         Share of the masses of rod and crank that counts: 0 or 1.
     """
-    rod = c.mechanism
-    upright = Mechanism(
-        rod.crank_radius,
-        rod.rod_length,
-        0.0,
-        of_rod * rod.rod_mass,
-        of_rod * rod.rod_inertia,
-        rod.rod_centre,
-        rod.pin_mass,
-        rod.friction,
-    )
-    chain = cylinder_chain(
-        CylinderParts(
-            c.piston,
-            c.static,
-            upright,
-            c.spin_inertia,
-            of_rod * c.crank_mass,
-            c.unbalance,
-            c.floats,
-            c.big_end,
-            c.main_bearing,
-            c.springs,
-            c.block_modes,
-            c.block_static,
-            c.shapes,
-            c.big_end_modes,
-            c.main_bearing_modes,
-            c.laws,
-            c.slides,
-        )
-    )
+    whole = cylinder_chain(c)
+    joints, elements = whole.joints, whole.elements
+    joints.offset[BODY.rod] = 0.0  # an upright rod
+    chain = Chain(_bodies_of(c, of_rod), joints, elements, whole.laws, NONE, whole.mounts)
     m, k = chain.joints.tip.shape[1], len(chain.bodies.stiffness)
     none = np.zeros(m + k)
     still = Motion(none, none, none)
