@@ -55,10 +55,7 @@ class Momenta(NamedTuple):
 @compiled
 def mean_acceleration(before: Motion, end: Motion) -> np.ndarray:
     """Return the mean of the accelerations at both ends of a step, shape (n,)."""
-    out = np.empty(len(before.acceleration))
-    for k in range(len(out)):
-        out[k] = (before.acceleration[k] + end.acceleration[k]) / 2
-    return out
+    return (before.acceleration + end.acceleration) / 2
 
 
 @compiled
@@ -115,7 +112,4 @@ def other_forces(inertia_force: np.ndarray, push: np.ndarray) -> np.ndarray:
 
     Eq. (D15):  O = M q'' - Q
     """
-    out = np.empty(len(push))
-    for k in range(len(out)):
-        out[k] = inertia_force[k] - push[k]  # Eq. (D15)
-    return out
+    return inertia_force - push  # Eq. (D15)

@@ -310,7 +310,6 @@ def load_of(system: BodySystem, films: FilmForces, others: OtherForces, modal: n
         films.moment + system.pin_offset * guided + rings.moment,  # Eq. (D8)
         guided,
         modal,
-        others.carrier,
     )
 
 

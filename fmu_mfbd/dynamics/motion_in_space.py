@@ -327,7 +327,7 @@ def imbalance(
 @compiled
 def plane_load(load: SpaceLoad) -> Load:
     """Return the load in the plane."""
-    return Load(load.lateral, load.axial, load.moment, load.guided, np.zeros(0), FIXED)
+    return Load(load.lateral, load.axial, load.moment, load.guided, np.zeros(0))
 
 
 @compiled

@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 from ..geometry.arrays import Vector
-from .carrier import FIXED, Carrier
 
 LATERAL = 0
 ROCKING = 1
@@ -27,8 +26,6 @@ class Load(NamedTuple):
         about A is larger by guided x_A.
     modal : ndarray, shape (k,)
         [kg^-1/2 N]
-    carrier : Carrier
-        Motion of the block at the same time.
     """
 
     lateral: float
@@ -36,4 +33,3 @@ class Load(NamedTuple):
     moment: float
     guided: float
     modal: Vector
-    carrier: Carrier = FIXED

@@ -72,17 +72,14 @@ class Response(NamedTuple):
 
 
 @compilable
-def load_change(
-    system: BodySystem, films: FilmForces, rings: RingForce, modal: np.ndarray, carrier: Carrier
-) -> Load:
-    """Return the change of the load on the piston with films, rings and the block's motion."""
+def load_change(system: BodySystem, films: FilmForces, rings: RingForce, modal: np.ndarray) -> Load:
+    """Return the change of the load on the piston with films and rings."""
     return Load(
         films.lateral + rings.lateral,
         films.axial + rings.axial,
         films.moment + rings.moment - rings.axial * system.pin_offset,  # Eq. (D8)
         -rings.axial,
         modal,
-        carrier,
     )
 
 
@@ -117,7 +114,7 @@ def response(
     chain = of.chain
     end, guided, own = last.now, last.guided, last.linear
     skirt = together(forces_by_film(of, guided, skirt_forces))
-    change = load_change(of, skirt, rings, on_modes(skirt), carrier)
+    change = load_change(of, skirt, rings, on_modes(skirt))
     at, block = own.forces.motion, own.forces.inertia.carrier
     by = reach_of(last.coefficients, of.kinds)
     held = held_forces(of, change, forces, film_pushes(of, forces))

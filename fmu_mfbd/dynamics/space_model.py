@@ -14,7 +14,6 @@ from ..geometry.space import Levers, levers, slope_around
 from ..mechanism.cylinder import BODY
 from ..mechanism.solution import no_linearisation
 from .block_force import NO_FORCE
-from .carrier import FIXED
 from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
 from .floating_frame import TURN, Y
 from .generalised_alpha import Coefficients, Motion, predict
@@ -352,7 +351,7 @@ class PistonInSpace(PistonInBore):
         system = self.system
         skirt = together(forces_by_film(system, guided, seeds.skirt))
         across = [side.forces(one) for side, one in zip(sides, self._nodal(seeds.skirt))]
-        plane = load_change(system, skirt, seeds.rings, NO_MODES, FIXED)
+        plane = load_change(system, skirt, seeds.rings, NO_MODES)
         rigid = plane.lateral, plane.axial, plane.moment, plane.guided
         change = SpaceLoad(*rigid, across=np.sum(across, axis=0))
         if self._inverse is None:

@@ -86,8 +86,7 @@ def state_at(
     auxiliary = np.zeros(len(now.auxiliary)) if steps < FIRST_STEPS else now.auxiliary
     mean_velocity = np.zeros(len(auxiliary))
     if step > 0.0:
-        for k in range(len(mean_velocity)):
-            mean_velocity[k] = (now.end.position[k] - before.position[k]) / step
+        mean_velocity = (now.end.position - before.position) / step
     return PistonState(
         time,
         crank.angle,

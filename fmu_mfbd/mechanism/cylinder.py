@@ -417,13 +417,10 @@ def integrators(c: CylinderParts, chain: Chain) -> np.ndarray:
     for j in chain.joints.slide:
         out[j] = BY_BDF2
     of_skirt = len(c.piston.stiffness) + len(c.static.stiffness) + c.block_modes
-    for j in range(m if c.floats else m + of_skirt, len(out)):
-        out[j] = BY_BDF2
-    block = m + len(c.piston.stiffness) + len(c.static.stiffness)
-    for j in range(m + len(c.piston.stiffness), block):
-        out[j] = STATIC
-    for j in range(block + c.block_modes - c.block_static, block + c.block_modes):
-        out[j] = STATIC
+    out[m if c.floats else m + of_skirt :] = BY_BDF2
+    last = m + of_skirt
+    out[m + len(c.piston.stiffness) : last - c.block_modes] = STATIC
+    out[last - c.block_static : last] = STATIC
     return out
 
 

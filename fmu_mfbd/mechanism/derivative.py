@@ -290,11 +290,7 @@ def pushed_forces(
         for i in range(3):
             change[b, i, 0] += push[b, i]
     (torque,) = _inward_changes(chain.joints, at, forces.joints, still, change, top)
-    residual = np.empty(m + len(loads.modal))
-    for j in range(m):
-        residual[j] = top[j, 0]
-    for k in range(len(loads.modal)):
-        residual[m + k] = inertia.left[k, 0] - loads.modal[k]
+    residual = np.concatenate((top[:, 0], inertia.left[:, 0] - loads.modal))
     total[TURN, 0] -= torque
     for e in range(len(loads.on_shapes) if loads.on_shapes.shape[1] > 0 else 0):
         total[TURN, 0] += moment_of_shapes(chain.elements, loads, now, e)

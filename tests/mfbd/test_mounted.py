@@ -92,7 +92,7 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
         5e3,
     )
     crank = CrankMotion(phi, w, dw)
-    load = Load(700.0, -2000.0, 5.0, 1800.0, np.zeros(0), MOVING)
+    load = Load(700.0, -2000.0, 5.0, 1800.0, np.zeros(0))
     still = Prediction(z, r, np.zeros(2))
     chain, instantly = tied_pin(body, SKEW, UNBALANCE), reach(2, 0.0, 0.0)
     now = solve_motion(
@@ -108,9 +108,9 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
     needed = lagrange(energy, place, velocity, acceleration, scale)
     # what turns the crank itself is the drive's, and the chain leaves it to its caller
     needed[[2, 5]] -= UNBALANCE**2 / WEIGHT * (dw + MOVING.alpha)
-    loaded = tied_forces(chain, load, now, crank)
+    loaded = tied_forces(chain, load, now, crank, MOVING)
     free = load._replace(lateral=0.0, axial=0.0, moment=0.0, guided=0.0)
-    bare = tied_forces(chain, free, now, crank)
+    bare = tied_forces(chain, free, now, crank, MOVING)
     size = np.abs(needed).max()  # differences of fourth order: 1e-9 of the largest
     np.testing.assert_allclose([*bare.residual, bare.torque], needed[:3], atol=1e-9 * size)
     assert np.abs(loaded.residual).max() < 1e-9 * size

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
@@ -53,6 +54,8 @@ def loads_of(chain: Chain, load: Load, now: Motion, crank: CrankMotion) -> Loads
     return loads_at(chain, forces_of(chain, load), at, now)
 
 
-def tied_forces(chain: Chain, load: Load, now: Motion, crank: CrankMotion) -> ChainForces:
-    """Return all forces in the chain under a load of its piston."""
-    return chain_forces(chain, loads_of(chain, load, now, crank), now, crank, load.carrier)
+def tied_forces(
+    chain: Chain, load: Load, now: Motion, crank: CrankMotion, carrier: Carrier = FIXED
+) -> ChainForces:
+    """Return all forces in the chain under a load of its piston and a motion of the block."""
+    return chain_forces(chain, loads_of(chain, load, now, crank), now, crank, carrier)
