@@ -299,13 +299,13 @@ def imbalance(
     pull = on_piston + bodies.pin_mass * at.acceleration[last, :TURN]
     q = now.position
     roll, z, arm = spin.tilt[0], q[SHIFT], bodies.pin_offset + q[LATERAL]
-    holding, across = _held(bodies, now), load.across
+    holding, (load_z, load_roll, load_yaw) = _held(bodies, now), load.across
     carried = bodies.pin_mass * now.acceleration[SHIFT]
     beside = np.array(
         [
-            force[2] + carried - _square(load, pull, spin.tilt) - across[0],
-            moment[X] - z * (pull[Y] - load.guided) - across[1],
-            moment[Y] + z * pull[X] + roll * load.guided * arm - across[2],
+            force[-1] + carried - _square(load, pull, spin.tilt) - load_z,
+            moment[X] - z * (pull[Y] - load.guided) - load_roll,
+            moment[Y] + z * pull[X] + roll * load.guided * arm - load_yaw,
         ]
     )
     on_block = own.on_block
