@@ -12,7 +12,7 @@ from .keys import declared_variables
 from .machine_code import native_choice
 from .schema import reduced
 from .symmetry import symmetry_faults
-from .times import record_interval, start_time, times
+from .times import record_interval, times
 from .values import given_values
 from .wires import check_sources, field_of, wire_of
 
@@ -112,8 +112,7 @@ def run_ahead(case, folder):
     turning = case.time.angular_speed
     if turning and port_of(turning)[0] not in declared:
         return None, wires
-    clock, _ = check_time(case, parameters, ignored)
-    return clock, wires
+    return check_time(case, parameters, ignored), wires
 
 
 def _as_fmu(variable):
@@ -123,17 +122,17 @@ def _as_fmu(variable):
 
 
 def check_time(case, parameters, faults):
-    """Return the clock and the start of the run [s]; None and 0 after a fault."""
+    """Return the clock of the run; None after a fault."""
     if case.time.angular_speed:
         owner, name = port_of(case.time.angular_speed)
         given = case.participants[owner].parameters
         if name in given and name not in parameters[owner]:
-            return None, 0.0  # its value is a fault that is already in the list
+            return None  # its value is a fault that is already in the list
     with collecting(faults):
         speed = angular_speed(case, parameters)
         record_interval(case, speed)
-        return times(case, speed), start_time(case, speed)
-    return None, 0.0
+        return times(case, speed)
+    return None
 
 
 def angular_speed(case, parameters):

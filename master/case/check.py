@@ -147,7 +147,7 @@ def _warnings_on_steps(case: Case, folder: Path) -> list[str]:
     if clock is None:
         return []
     out: list[str] = []
-    steps, by_period = clock.stop / clock.step, clock.period / clock.step
+    steps, by_period = (clock.stop - clock.start) / clock.step, clock.period / clock.step
     if steps > MOST_STEPS:
         out.append(f"time.stop = {case.time.stop}: the run has {steps:.2g} macro steps")
     if (cycle := case.cycle) and case.time.period and case.time.angular_speed:

@@ -105,7 +105,7 @@ def open_system(
     check_fixed(case, participants, faults)
     check_ports(case, participants, faults)
     _check_plugins(case, faults)
-    clock, begin = check_time(case, parameters, faults)
+    clock = check_time(case, parameters, faults)
     if faults or clock is None:
         raise BadInput(faults)
     for line in different_items(case.wires, opened):
@@ -124,7 +124,7 @@ def open_system(
         str(folder),
         case.coupling.parallel,
         tuple(held),
-        begin,
+        clock.start,
         clock.period,
         clock.earliest,
         masks(case, builds, folder),

@@ -24,8 +24,9 @@ def record_interval(case: Case, speed: float | None) -> float:
 
 
 class Clock(NamedTuple):
-    """Latest stop, macro step, smallest macro step, period (0: unknown) and earliest stop [s]."""
+    """Start, latest stop, macro step, smallest one, period (0: unknown) and earliest stop [s]."""
 
+    start: float
     stop: float
     step: float
     smallest_step: float
@@ -63,7 +64,14 @@ def times(case: Case, speed: float | None) -> Clock:
         raise BadInput(fault)
     earliest = begin + 2 * period if case.time.until_periodic else stop
     smallest = values.get("smallest_step", step / 64)
-    return Clock(stop, step, smallest, period, min(stop, earliest))
+    return Clock(
+        start=begin,
+        stop=stop,
+        step=step,
+        smallest_step=smallest,
+        period=period,
+        earliest=min(stop, earliest),
+    )
 
 
 def start_time(case: Case, speed: float | None) -> float:

@@ -10,9 +10,11 @@ import json
 import tempfile
 from collections.abc import Callable, Container
 from copy import deepcopy
+from math import gcd
 from pathlib import Path
 from typing import Any
 
+from ..case.ahead import faults_ahead, run_ahead
 from ..case.checked import check_case
 from ..case.contract import players
 from ..case.system import open_system
@@ -26,8 +28,8 @@ from .checkpoint import Interrupted
 from .run import run
 from .second_grid import GRID_SAFETY, coarser, grid_safety, kept_films, ratio_of
 
-LONGER = 2.0
-"""Steps of the third run over those of the others."""
+LONGER = 2
+"""Steps of the third run over those of the others, or a little more, see `longer_steps`."""
 STEP_SAFETY = 1.25
 """Factor of safety on the difference between two steps [Roache1994]. With doubled steps, it is the
 factor of an order of 1 with the safety 1.25, and exceeds that of an order of 2 with the safety 3.
@@ -82,7 +84,7 @@ def state_uncertainty(
     entries: dict[str, float | str] = {}
     with Results(output) as results, tempfile.TemporaryDirectory() as scratch:
         own = measures(check_case(results.case, folder), results)
-        for trees in attempts(tree, results, Path(scratch)):
+        for trees in attempts(tree, folder, results, Path(scratch)):
             try:
                 found = [
                     _measured(one, folder, Path(scratch) / f"{k}.h5", progress)
@@ -107,17 +109,50 @@ def state_uncertainty(
     return entries
 
 
-def attempts(tree: dict[str, Any], results: Results, scratch: Path) -> list[Trees]:
+def reason_ahead(tree: dict[str, Any], folder: Path) -> str:
+    """Return why a case allows no further run, "" if nothing is known to prevent it."""
+    try:
+        faults = faults_ahead(check_case(longest(tree, folder), folder), folder)
+    except BadInput as why:
+        faults = why.faults
+    return faults[0] if faults else ""
+
+
+def attempts(tree: dict[str, Any], folder: Path, results: Results, scratch: Path) -> list[Trees]:
     """Return functions that return the trees of further runs, each for use if those before fail.
 
     A start does not fit other modes, so that flexible bodies begin again as their case does.
     """
     base = continued(tree, results, scratch)
-    whole: Trees = lambda: [longer(coarser(tree))]  # noqa: E731
+    whole: Trees = lambda: [longest(tree, folder)]  # noqa: E731
     if base is tree:
         return [whole]
     both = [coarser] if _periods(results) >= SHARE else []
-    return [lambda: [*(make(base) for make in both), longer(coarser(base))], whole]
+    return [lambda: [*(make(base) for make in both), longest(base, folder)], whole]
+
+
+def longest(tree: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the tree with fewer cells and longer macro steps."""
+    return longer(coarser(tree), longer_steps(tree, folder))
+
+
+def longer_steps(tree: dict[str, Any], folder: Path) -> float:
+    """Return the steps of the third run over those of the case, 2 to 3.
+
+    It is 2 if doubled steps divide the run and its period, and otherwise the smallest factor above,
+    for which `STEP_SAFETY` is safe too. Raises `BadInput` if no longer step divides both.
+    """
+    clock, _ = run_ahead(check_case(tree, folder), folder)
+    if clock is None:
+        return LONGER
+    total, period = (round(x / clock.step) for x in (clock.stop - clock.start, clock.period))
+    common = gcd(total, period if period <= total else 0)
+    if common < LONGER:
+        raise BadInput(
+            "time.step: expected a longer one that divides run and period, got none for "
+            f"{total} and {period} steps"
+        )
+    return common / (common // LONGER)
 
 
 def differences(
@@ -146,11 +181,11 @@ def _periods(results):
     return (results.summary or {}).get("periods", 0)
 
 
-def longer(tree: dict[str, Any]) -> dict[str, Any]:
+def longer(tree: dict[str, Any], factor: float = LONGER) -> dict[str, Any]:
     """Return the tree with longer macro steps."""
     made = deepcopy(tree)
     time = made["time"]
-    time |= {key: times(time[key], LONGER) for key in ("step", "smallest_step") if key in time}
+    time |= {key: times(time[key], factor) for key in ("step", "smallest_step") if key in time}
     return made
 
 
@@ -175,12 +210,15 @@ def continued(tree, results, scratch):
 
 
 def lead(period: str, step: str) -> float:
-    """Return the part of a period before the whole ones, a multiple of the longer macro step."""
+    """Return the part of a period before the whole ones, a multiple of the longer macro step.
+
+    It is a whole period if doubled steps do not divide the period.
+    """
     whole, one = quantity(period), quantity(step)
     if not are_compatible(whole.units, one.units):
         return 1.0
     steps = whole.to(one.units).magnitude / (LONGER * one.magnitude)
-    return round(LEAD * steps) / steps
+    return round(LEAD * steps) / steps if abs(steps - round(steps)) <= 1e-9 * steps else 1.0
 
 
 def _measured(tree, folder, output, progress):

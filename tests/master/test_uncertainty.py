@@ -7,6 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from piston_cosim.master.case.ahead import faults_ahead
+from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.engine.answer import uncertainty_text
 from piston_cosim.master.engine.indicator import (
@@ -292,10 +294,39 @@ def test_a_masked_skirt_has_no_second_grid():
 
 @pytest.mark.parametrize(
     "period, step, part",
-    [("720 deg", "1 deg", 0.25), ("360 deg", "2 deg", 88 / 360), ("20 ms", "1 deg", 1.0)],
+    [
+        ("720 deg", "1 deg", 0.25),
+        ("360 deg", "2 deg", 88 / 360),
+        ("20 ms", "1 deg", 1.0),
+        ("360 deg", "8 deg", 1.0),  # 45 steps
+    ],
 )
 def test_the_lead_is_a_multiple_of_the_longer_step(period, step, part):
     assert further.lead(period, step) == pytest.approx(part, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "stop, step, factor",
+    [
+        ("720 deg", "1 deg", 2.0),
+        ("21 deg", "1 deg", 21 / 10),  # 21 steps become 10
+        ("1080 deg", "8 deg", 45 / 22),  # 135 steps with a period of 45
+        ("27 deg", "9 deg", 3.0),
+    ],
+)
+def test_longer_steps_divide_run_and_period(stop, step, factor, tmp_path):
+    changes = [("time.stop", stop), ("time.step", step), ("time.period", "360 deg")]
+    tree = read_tree(find_case("data_sheet"), changes if stop == "1080 deg" else changes[:2])
+    folder = find_case("data_sheet").parent
+    assert further.longer_steps(tree, folder) == pytest.approx(factor, rel=1e-12)
+    assert not further.reason_ahead(tree, folder)
+    assert not faults_ahead(check_case(further.longest(tree, folder), folder), folder)
+
+
+def test_a_case_without_further_runs_is_reported_before_its_run():
+    folder = find_case("data_sheet").parent
+    tree = read_tree(find_case("data_sheet"), [("time.stop", "9 deg"), ("time.step", "9 deg")])
+    assert "got none for 1 and 80 steps" in further.reason_ahead(tree, folder)
 
 
 def test_further_runs_continue_from_the_settled_state(tmp_path):
@@ -310,13 +341,13 @@ def test_further_runs_continue_from_the_settled_state(tmp_path):
     start = json.loads((tmp_path / "bodies.json").read_text())
     assert start == {name: float(k) for k, name in enumerate(names)}
     assert made["participants"]["bodies"]["build"]["start"] == str(tmp_path / "bodies.json")
-    first, second = further.attempts(tree, run, tmp_path)
+    first, second = further.attempts(tree, tmp_path, run, tmp_path)
     steps = [[one["time"]["step"] for one in trees()] for trees in (first, second)]
     assert steps == [["1 deg", "2 deg"], ["2 deg"]]
     assert "start" not in second()[0]["participants"]["bodies"]["build"]
     run.summary = {"periods": 1}
     assert further.continued(tree, run, tmp_path) is tree
-    assert len(further.attempts(tree, run, tmp_path)) == 1
+    assert len(further.attempts(tree, tmp_path, run, tmp_path)) == 1
 
 
 def test_an_interruption_ends_further_runs_and_keeps_the_result(tmp_path, monkeypatch):
