@@ -91,7 +91,7 @@ def command(
         the other. Default: the number of processors.
     uncertainty
         Compute the uncertainty of the main results from a second grid and doubled steps. It takes
-        up to 0.7 of the time of the run. Default: an estimate from the run alone.
+        up to 0.8 of the time of the run. Default: an estimate from the run alone.
     verbose
         Also print every period, all counters, the summary of the case and every check.
     """

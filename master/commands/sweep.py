@@ -80,7 +80,7 @@ def command(
         Write a report of every finished point and link it from the page. A report takes seconds and
         2 MB or more.
     uncertainty
-        Compute the uncertainties from a second grid and doubled steps, which takes up to 0.7 of the
+        Compute the uncertainties from a second grid and doubled steps, which takes up to 0.8 of the
         time of each run. Default: estimates from each run alone.
     time_limit
         Maximum time per point, e.g. "20 min". Local processes only.

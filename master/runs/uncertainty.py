@@ -3,7 +3,7 @@
 One or two more runs of the case continue from its last settled state: one on a coarser grid, and
 one on that grid with doubled steps. The first takes 0.8 of the time of a period of 40 x 40 cells,
 and the second 0.5. A run of one or two periods has the second alone, so that the whole takes at
-most 1.7 times as long.
+most 1.8 times as long.
 """
 
 import json
