@@ -4,12 +4,10 @@ import re
 from collections import Counter
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from ..case.tables import reduced
 from ..fmi.quantities import short
 from ..results.file import Results
-from ..results.instants import crank_angle
+from ..results.instants import length_text
 from .measures import Measure, Measures, measures, unknown_in_words
 from .uncertainty import UNKNOWN, display_unit
 from .verdicts import RANK, WORDS, Verdict, verdicts
@@ -166,14 +164,7 @@ def _settled(results):
 
 def _computed(results):
     """Return length, number of periods and steps, and wall time of the run."""
-    crank = crank_angle(results)
-    if crank is None:
-        begin, *_, end = results.time
-        reach = short(end - begin, "s")
-    else:
-        begin, *_, end = crank.angle
-        reach = f"{np.degrees(end - begin):.4g} deg"
-    summary = results.summary or {}
+    reach, summary = length_text(results), results.summary or {}
     steps = summary.get("steps", len(results.time) - 1)
     if summary.get("periods", 0) > 1:
         reach += f" ({summary['periods']} periods)"

@@ -110,7 +110,18 @@ def compared(
     remarks += unknown_in_words([one for row in rows for one in (row.first, row.second)])
     worst = [[table.worst(key) for key in MAIN] for table in tables]
     main = [difference(one, other, alike) for one, other in zip(*worst) if one and other]
-    return Compared(headline(found, main), found, rows, remarks)
+    apart = unequal_lengths(found, tables)
+    main = [row._replace(better=0) for row in main] if apart else main
+    said = " ".join(filter(None, [headline(found, main), apart]))
+    return Compared(said, found, rows, remarks)
+
+
+def unequal_lengths(names: Sequence[str], tables: Sequence[Measures]) -> str:
+    """Return a sentence if two runs have results of unequal lengths, "" otherwise."""
+    first, second = (table.length for table in tables[:2])
+    if first == second:
+        return ""
+    return f"Not comparable: {names[0]} has results of {first}, and {names[1]} of {second}."
 
 
 def grids(tree: Mapping[str, Any]) -> list[Any]:

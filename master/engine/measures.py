@@ -14,7 +14,7 @@ from ..case.schema import Case
 from ..case.tables import reduced
 from ..fmi.quantities import numbers_text, short
 from ..results.file import Results
-from ..results.instants import crank_angle
+from ..results.instants import crank_angle, length_text
 from ..results.judgement import mean_over
 from .friction import contact_share, friction_power, friction_pressure
 from .impacts import impacts
@@ -119,11 +119,15 @@ class Measure:
 
 @dataclass(frozen=True)
 class Measures:
-    """All measures of a run; films, bodies : participants, in the order of the case."""
+    """All measures of a run.
+
+    films, bodies : participants, in the order of the case; length : of the last period.
+    """
 
     films: list[str] = field(default_factory=list[str])
     bodies: list[str] = field(default_factory=list[str])
     all: list[Measure] = field(default_factory=list[Measure])
+    length: str = ""
 
     def of(self, key: str, owner: str = "") -> Measure | None:
         """Return the measure of a participant, None if the run lacks it."""
@@ -183,7 +187,8 @@ def measures(case: Case, results: Results) -> Measures:
         if one.key == "minimum_film_thickness_m" and one.place
     }
     indicator = Indicator(results, films, cells)
-    return Measures(films, bodies, [_estimated(one, indicator, results, films) for one in found])
+    known = [_estimated(one, indicator, results, films) for one in found]
+    return Measures(films, bodies, known, length_text(results))
 
 
 def _estimated(measure: Measure, indicator: Indicator, results: Results, films) -> Measure:
@@ -330,14 +335,13 @@ def _of_friction(run: _Run) -> Iterator[Measure]:
     yield Measure(*POWER, mean, "W", before="mean", course=Course(whole, mean_over))
     pressure, crank = friction_pressure(run.results), crank_angle(run.results)
     if pressure is not None and crank is not None:
-        begin, *_, end = np.degrees(crank.angle)
         yield Measure(
             "friction_mean_effective_pressure_pa",
             "friction mean effective pressure",
             pressure,
             "Pa",
             before="FMEP",
-            note=f"over {end - begin:.4g} deg",
+            note=f"over {length_text(run.results)}",
             course=Course(whole, of_work(pressure, run.results.time, power)),
         )
 

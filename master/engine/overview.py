@@ -12,7 +12,15 @@ import numpy as np
 from ..case.contract import players
 from ..fmi.quantities import short, to_si
 from ..results.file import Results
-from .comparison import NOT_DISTINGUISHABLE, changes, difference, differing, grids, listed
+from .comparison import (
+    NOT_DISTINGUISHABLE,
+    changes,
+    difference,
+    differing,
+    grids,
+    listed,
+    unequal_lengths,
+)
 from .measures import NO_IMPACT, Measure, Measures
 from .uncertainty import DIVERGES, display_unit
 
@@ -130,7 +138,8 @@ def _sentence(runs, tables, figures, alike) -> str:
     if not known or len(known) < len(figures):
         return f"T{listed(own)[1:]}."
     trees = [results.case for results in runs.values()]
-    return changes(differing(trees[0], trees[1], list(runs)), known)
+    names = differing(trees[0], trees[1], list(runs))
+    return f"{changes(names, known)} {unequal_lengths(names, [*tables.values()])}".rstrip()
 
 
 def _of_films(table, films) -> Iterator[Measure]:

@@ -33,6 +33,14 @@ def crank_angle(results) -> CrankAngle | None:
     return None
 
 
+def length_text(results) -> str:
+    """Return the length of the times shown: crank angle, or time without one."""
+    crank = crank_angle(results)
+    if crank is None:
+        return short(results.time[-1] - results.time[0], "s")
+    return f"{np.degrees(crank.angle[-1] - crank.angle[0]):.4g} deg"
+
+
 def instant(results, text: str) -> float:
     """Return the time [s] of "18 ms", "648 deg", or "max bodies.side_force".
 

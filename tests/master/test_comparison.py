@@ -190,6 +190,21 @@ def test_the_headline_has_a_sentence_for_each_direction_and_no_figure_twice():
     assert len(found.rows) == 3
 
 
+def test_results_of_unequal_lengths_are_not_comparable():
+    whole, half = (
+        Measures(all=[film(value, 0.1)], length=f"{length} deg")
+        for value, length in ((3.0, 720), (2.0, 360))
+    )
+    trees = tree("a.csv"), tree("b.csv")
+    assert compared(("a", "b"), trees, (whole, half)).headline == (
+        "a.csv instead of b.csv raises the minimum film thickness by 1.000 +- 0.028 µm. "
+        "Not comparable: a.csv has results of 720 deg, and b.csv of 360 deg."
+    )
+    assert (
+        "Better" in compared(("a", "b"), trees, (whole, replace(half, length="720 deg"))).headline
+    )
+
+
 def test_runs_without_a_common_figure_say_so():
     found = compared(("a", "b"), (tree("a.csv"), tree("b.csv")), (Measures(), Measures()))
     assert found.headline == "a.csv and b.csv have no main result in common."
