@@ -22,7 +22,8 @@ References
 Hermosa 1998.
 """
 
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -86,7 +87,7 @@ INPUTS = {
 RATIOS = {"length": (0.02, 2000.0), "clearance": (1e-6, 0.1)}
 """Allowed ranges over the radius."""
 OWN = {"bore_radius", "skirt_length", "open_cells", "surface", "opening_supply", "oil"}
-OWN |= {"pressure_openings", "sector_angle", "grid", "oil_supply"}
+OWN |= {"pressure_openings", "sector_angle", "grid", "oil_supply", "viscosity"}
 """Parameters of a film that follow from the inputs."""
 
 ROWS = {
@@ -220,6 +221,7 @@ def bearing(
     supply_pressure: str = "0 bar",
     groove_angle: str = "180 deg",
     grid: tuple[int, int] = (120, 24),
+    progress: Callable[[str], object] = lambda text: None,
     **film: Any,
 ) -> Bearing:
     """Return a journal bearing that carries a constant load, with the uncertainty of each figure.
@@ -241,6 +243,8 @@ def bearing(
         Gauge pressure in the groove, and its angle from the load in the direction of rotation.
     grid : tuple of int
         Cells around and along, multiples of 120 and 24.
+    progress : callable, optional
+        Called with a message when all inputs are valid.
     **film
         Other parameters of `Film`, such as `roughness_rms="0.3 um"` for contact.
 
@@ -267,6 +271,7 @@ def bearing(
     given = dict(radius=radius, length=length, clearance=clearance, speed=speed, load=load)
     given |= dict(supply_pressure=supply_pressure, groove_angle=groove_angle)
     values, parameters = _read(given, oil, supply, grid, film)
+    progress("computing on three grids; a first call also compiles for about a minute")
     levels: list[Any] = []
     attitude = FIRST_ATTITUDE
     for level in reversed(range(LEVELS)):
@@ -332,8 +337,10 @@ def _read(
     with collecting(faults):
         parameters |= _oil(oil)
     parameters |= {name: value for name, value in film.items() if name not in OWN}
-    with collecting(faults):
+    try:
         Film((4, 4), surface="bearing", **parameters)
+    except BadInput as error:
+        faults += [re.sub("^viscosity:", "oil:", fault) for fault in error.faults]
     if faults:
         raise BadInput(faults)
     return values, parameters

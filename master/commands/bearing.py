@@ -70,11 +70,10 @@ def command(
     if twice := [name for name in others if name in given]:
         options = (name.replace("_", "-") for name in twice)
         raise BadInput([f"--set: expected --{name} instead, got {name}=..." for name in options])
-    say("computing on three grids; a first call also compiles for about a minute")
     try:
-        result = part.bearing(**given, **others)
+        result = part.bearing(**given, **others, progress=say)
     except BadInput as error:
-        raise BadInput([_of_option(fault, given) for fault in error.faults]) from None
+        raise BadInput([_of_option(fault, {*given, "grid"}) for fault in error.faults]) from None
     except Discard as error:
         raise Stopped(f"{error}; try another load, or roughness_rms for contact") from None
     tell(str(result), markup=False)

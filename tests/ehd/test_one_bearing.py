@@ -244,14 +244,18 @@ def test_all_faults_are_reported_at_once():
         (dict(supply_pressure="1 bar"), "supply_pressure: expected supply='groove' with it"),
         (dict(oil="SAE 10W-31 at 90 degC"), "oil: expected one of engine_oil_vogel_cross,"),
         (dict(oil="20 mPa"), "oil: expected a quantity in Pa.s, got '20 mPa'"),
+        (dict(oil="-3 mPa s"), "oil: expected 1e-05 to 1000 Pa.s, got -0.003 Pa.s"),
+        (dict(viscosity="3 mPa s"), "viscosity: expected no value, which the inputs set"),
         (dict(oil=None), "oil: expected a quantity in Pa.s, got nothing"),
         (dict(oil="sae_5w_30 at 5 bar"), "oil: expected a temperature after the name"),
     ],
 )
 def test_a_fault_is_reported(changes, text):
+    begun = []
     with pytest.raises(pc.BadInput) as trouble:
-        pc.bearing(**SMALL | changes)
+        pc.bearing(**SMALL | changes, progress=begun.append)
     assert len(trouble.value.faults) == 1 and text in str(trouble.value)
+    assert not begun
 
 
 def test_the_table_states_supply_definitions_and_uncertainties(flooded, grooved):
