@@ -96,7 +96,7 @@ def compared(
         Their resolved TOML trees.
     tables : sequence of Measures
     """
-    alike = grids(trees[0]) == grids(trees[1])
+    alike = have_equal_grids(trees[0], trees[1])
     found = differing(trees[0], trees[1], names)
     rows = [
         difference(tables[0].named(one), other, alike)
@@ -124,10 +124,16 @@ def unequal_lengths(names: Sequence[str], tables: Sequence[Measures]) -> str:
     return f"Not comparable: {names[0]} has results of {first}, and {names[1]} of {second}."
 
 
-def grids(tree: Mapping[str, Any]) -> list[Any]:
-    """Return grids and macro step of a case."""
+def have_equal_grids(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Return whether two cases have the same grids and the same macro step, in any unit."""
+    steps = (tree.get("time", {}).get("step") for tree in (one, other))
+    return _grids(one) == _grids(other) and _equal(*steps)
+
+
+def _grids(tree):
+    """Return the grids of a case."""
     builds = (one.get("build", {}) for one in tree.get("participants", {}).values())
-    return [tree.get("time", {}).get("step"), *(build.get("grid") for build in builds)]
+    return [build.get("grid") for build in builds]
 
 
 def spread(one: Measure, other: Measure, alike: bool) -> float | None:
@@ -196,6 +202,8 @@ def differing(one: dict[str, Any], other: dict[str, Any], names: Sequence[str]) 
 
 def _equal(one, other):
     """Return whether two values are the same, also in different units."""
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(_equal, one, other))
     first, second = _quantity(one), _quantity(other)
     if first is None or second is None or not are_compatible(first.units, second.units):
         return one == other

@@ -17,7 +17,7 @@ from .comparison import (
     changes,
     difference,
     differing,
-    grids,
+    have_equal_grids,
     listed,
     unequal_lengths,
 )
@@ -108,8 +108,7 @@ def overview(runs: dict[str, Results], tables: dict[str, Measures]) -> Overview 
     if not films:
         return None
 
-    steps = [grids(results.case) for results in runs.values()]
-    alike = [one == steps[0] for one in steps]
+    alike = [have_equal_grids(first.case, results.case) for results in runs.values()]
 
     def rows(choose) -> list[Comparison]:
         named = [{one.label: one for one in choose(table)} for table in tables.values()]

@@ -1,6 +1,7 @@
 """Comparison of two runs: differences of their cases, and those of figures that are clear."""
 
 from dataclasses import replace
+from math import pi
 
 import pytest
 
@@ -10,7 +11,7 @@ from piston_cosim.master.engine.comparison import (
     compared,
     difference,
     differing,
-    grids,
+    have_equal_grids,
     headline,
     spread,
 )
@@ -100,7 +101,10 @@ def test_what_differs_is_named_and_no_hash():
     variants = tree("a.csv") | {"variants": {"other": {}}}
     assert differing(variants, tree("b.csv"), ("base", "other")) == ("base", "other")
     assert differing(variants, tree("b.csv"), names) == ("a.csv", "b.csv")
-    assert grids(fine) != grids(coarse) == grids(tree("b.csv"))
+    assert have_equal_grids(coarse, tree("b.csv")) and not have_equal_grids(fine, coarse)
+    step = {"step": f"{pi / 180} rad"}
+    assert have_equal_grids(coarse, coarse | {"time": step})
+    assert not have_equal_grids(coarse, coarse | {"time": {"step": "2 deg"}})
 
 
 def test_what_differs_is_the_same_in_other_units_and_folders():
@@ -115,6 +119,7 @@ def test_what_differs_is_the_same_in_other_units_and_folders():
         return differing(one, other, ("one", "two"))
 
     here = film_of("5 mPa s")
+    assert found(film_of("5 mPa s", ["1 mm"]), film_of("5 mPa s", ["0.1 cm"])) == ("one", "two")
     assert found(here, film_of("0.005 Pa s", "0.025 mm")) == ("one", "two")
     assert found(here, film_of("5 mPa s", "12.5um")) == (
         "radial clearance 25 um",
