@@ -3,12 +3,13 @@
 import re
 from collections import Counter
 from dataclasses import dataclass, field
+from math import isclose
 
 from ..case.tables import reduced
 from ..fmi.quantities import short
 from ..results.file import Results
 from ..results.instants import length_text
-from .measures import Measure, Measures, measures, unknown_in_words
+from .measures import NO_CONTACT, NO_IMPACT, Measure, Measures, measures, unknown_in_words
 from .uncertainty import UNKNOWN, display_unit
 from .verdicts import RANK, WORDS, Verdict, verdicts
 
@@ -90,16 +91,41 @@ def row_of(case, path) -> dict[str, float | str]:
     """Return the columns of a finished run in the table of a sweep.
 
     They are the measures of a design, `NAME_uncertainty` of them and of equal summary entries, and
-    the check with the worst result. An unknown uncertainty is a text with the reason.
+    the check with the worst result. An unknown uncertainty is a text with the reason. Contact and
+    impacts that do not occur are exactly zero.
     """
     with Results(path) as run:
         one = answer(case, run)
+        chosen = {key: one.table.worst(key) for key in one.table.design}
+        chosen |= {
+            key: _equal_measure(one.table, run, key, text) for key, text in case.summary.items()
+        }
     found: dict[str, float | str] = {**one.table.design}
-    for key in dict.fromkeys([*found, *case.summary]):
-        if (measure := one.table.worst(key)) and measure.uncertainty is not UNKNOWN:
-            known = measure.uncertainty
+    for key, measure in chosen.items():
+        known = measure.uncertainty if measure else UNKNOWN
+        if measure and measure.shown in (NO_CONTACT, NO_IMPACT):
+            found[f"{key}_uncertainty"] = 0.0
+        elif known is not UNKNOWN:
             found[f"{key}_uncertainty"] = known.reason if known.value is None else known.value
     return found | {"worst_check": worst_check(one.verdicts)}
+
+
+def _equal_measure(table, results, key, text) -> Measure | None:
+    """Return the measure of a summary entry: that of its name, or of its owner, unit and size."""
+    if named := table.worst(key):
+        return named
+    port, value = reduced(text).port, (results.summary or {}).get(key)
+    if port not in results.ports or not value:
+        return None
+    owner, unit = port.partition(".")[0], results.series(port).unit
+    return next(
+        (
+            one
+            for one in table.estimated
+            if (one.owner, one.unit) == (owner, unit) and isclose(abs(one.value), abs(value))
+        ),
+        None,
+    )
 
 
 def worst_check(checks: list[Verdict]) -> str:

@@ -298,6 +298,20 @@ def test_a_row_of_a_sweep_by_hand(tmp_path):
     assert not any(isinstance(value, dict) for value in row.values())
 
 
+def test_entries_of_a_sweep_have_the_uncertainty_of_equal_measures(tmp_path):
+    """The largest side force is the maximum, 1 kN, and there is no contact at all."""
+    more = {"ehd/contact_area_fraction": (np.zeros(145), "1")}
+    with made(tmp_path, more=more, side_force_max_n=1e3) as results:
+        case = check_case(results.case, PATH)
+        row, force = (
+            row_of(case, results.path),
+            measures(case, results).of("side_force_n", "bodies"),
+        )
+    assert row["side_force_max_n_uncertainty"] == force.uncertainty.reason != ""
+    assert row["contact_share_uncertainty"] == 0.0
+    assert "lateral_displacement_min_m_uncertainty" not in row
+
+
 def test_a_run_shorter_than_a_period_has_no_fmep_and_no_oil_per_period(tmp_path):
     with made(tmp_path, periods=0.5) as results:
         assert oil_balance(results, "ehd") is None
