@@ -262,7 +262,7 @@ def print_answers(answers, verbose=False):
 
 
 def print_compared(runs):
-    """Print the comparison of two runs (label -> Results): headline, then each difference."""
+    """Print the comparison of two runs (label -> Results), and return its headline."""
     from ..engine.answer import answer, failed_checks
     from ..engine.comparison import compared
 
@@ -281,6 +281,7 @@ def print_compared(runs):
             say(f"warning: {name}: the checks {', '.join(failed)} fail")
     for remark in found.remarks:
         say(remark)
+    return found.headline
 
 
 def draw_pictures(case, runs, folder, kind=None, paper=False):

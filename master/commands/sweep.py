@@ -116,11 +116,12 @@ def command(
     with sweeps.dask_executor(dask) if dask else LocalPool(workers, limit) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch, uncertainty)
     tell(f"table    {table}")
+    is_pair = len(rows) == 2 and all(row["status"] == "done" for row in rows)
+    sentence = _compare(points, folder) if is_pair else ""
+    wanted = directions(check_case(tree, path))
     with working(console, "drawing the page"):
-        page = _page(path, points, rows, axes, directions(check_case(tree, path)), table, reports)
+        page = _page(path, points, rows, axes, wanted, table, reports, sentence)
     tell(f"page     {page}")
-    if len(rows) == 2 and all(row["status"] == "done" for row in rows):
-        _compare(points, folder)
     failed = [row for row in rows if row["status"] != "done"]
     if failed:
         say_faults(
@@ -130,17 +131,16 @@ def command(
 
 
 def _compare(points, folder):
-    """Print the comparison of two points."""
+    """Print the comparison of two points, and return its headline, "" for two points of one run."""
     from ..results.file import Results
 
     with ExitStack() as opened:
         files = [folder / "runs" / f"{point.name}.h5" for point in points]
         runs = {file.stem: opened.enter_context(Results(file)) for file in files}
-        if len(runs) == 2:
-            print_compared(runs)
+        return print_compared(runs) if len(runs) == 2 else ""
 
 
-def _page(path, points, rows, axes, wanted, table, reports):
+def _page(path, points, rows, axes, wanted, table, reports, sentence):
     """Write the page of the sweep and the missing reports of its points."""
     from ..results.file import Results
     from ..results.sweep_page import SweptPoint, write_sweep_page
@@ -158,7 +158,7 @@ def _page(path, points, rows, axes, wanted, table, reports):
         link = page.relative_to(folder).as_posix() if page.is_file() else ""
         swept.append(SweptPoint(row, link))
     varied = [axis.name for axis in axes]
-    return write_sweep_page(swept, varied, wanted, table.with_suffix(".html"))
+    return write_sweep_page(swept, varied, wanted, table.with_suffix(".html"), sentence)
 
 
 def _seconds(time_limit, dask):

@@ -36,7 +36,11 @@ class SweptPoint:
 
 
 def write_sweep_page(
-    points: list[SweptPoint], axes: list[str], directions: Mapping[str, str], path: Path
+    points: list[SweptPoint],
+    axes: list[str],
+    directions: Mapping[str, str],
+    path: Path,
+    sentence: str = "",
 ) -> Path:
     """Write the page of a sweep's finished points.
 
@@ -48,6 +52,8 @@ def write_sweep_page(
     directions : mapping of str to {"raise", "lower", "none"}
         Columns of outputs, and the direction of a better design. Constant ones are omitted.
     path : Path
+    sentence : str
+        Comparison of two points.
     """
     done = [point for point in points if point.row["status"] == "done"]
     entries = _drawn_entries([point.row for point in done], directions)
@@ -66,6 +72,7 @@ def write_sweep_page(
         title=path.parent.name.removeprefix("sweep_").replace("_", " "),
         done=len(done),
         total=len(points),
+        sentence=sentence,
         linked=any(point.report for point in done),
     )
 

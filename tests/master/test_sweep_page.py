@@ -313,3 +313,9 @@ def test_the_worst_check_of_a_run_has_its_names():
     assert worst_check([*fine, *warned, *failed]) == "fail: d, e"
     assert worst_check([*warned, *fine]) == "warning: c"
     assert worst_check(fine) == "pass" and worst_check([]) == ""
+
+
+def test_the_page_of_two_points_has_their_comparison(tmp_path):
+    for sentence, shown in (("Oil a lowers b by 2 +- 1 µm.", True), ("", False)):
+        path = write_sweep_page(swept()[:2], ["ovality"], {FILM: "raise"}, tmp_path / "a", sentence)
+        assert ("<p>Oil a lowers b by 2 \N{PLUS-MINUS SIGN} 1 µm.</p>" in path.read_text()) == shown
