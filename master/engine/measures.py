@@ -280,7 +280,7 @@ def _of_film(run: _Run, film: str) -> Iterator[Measure]:
     if share is not None:
         dry = area is not None and not area.max() > 0.0
         note, shown = ("", NO_CONTACT) if dry else ("of the friction work", "")
-        label = "friction work by asperity contact"
+        label = "contact share"
         share = share if share > TRACE else 0.0
         yield Measure("contact_share", label, share, "1", film, note=note, shown=shown)
     if area is not None and area.max() > 0.0:
@@ -367,7 +367,7 @@ def _of_body(run: _Run, body: str, film: str) -> Iterator[Measure]:
         words = {"shown": NO_IMPACT}
         if worst:
             words = {"note": _slap(run, worst, film), "row": worst.row}
-        own = "slap_energy_j", "energy lost in the hardest impact", "J"
+        own = "slap_energy_j", "slap energy", "J"
         yield run.figure(body, "piston_kinetic_energy", *own, hardest, **words)
     for output, unit in (("lateral_displacement", "m"), ("rocking_angle", "rad")):
         values = run.values(body, output)

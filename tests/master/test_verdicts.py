@@ -11,9 +11,10 @@ from piston_cosim.master.engine.friction import (
     friction_pressure,
     friction_pressures,
 )
-from piston_cosim.master.engine.measures import measures
+from piston_cosim.master.engine.measures import DESIGN, measures
 from piston_cosim.master.engine.oil_balance import oil_balance
 from piston_cosim.master.engine.verdicts import bdf2_error, verdicts
+from piston_cosim.master.results.words import entry_shown
 
 from .by_hand import write_results
 
@@ -296,6 +297,13 @@ def test_a_row_of_a_sweep_by_hand(tmp_path):
     assert row["slap_energy_j_uncertainty"] == "record.fields lacks ehd.pressure"
     assert row["worst_check"] == "warning: pressure"
     assert not any(isinstance(value, dict) for value in row.values())
+
+
+def test_a_measure_has_one_name_in_lines_and_tables(tmp_path):
+    with made(tmp_path) as results:
+        table = measures(check_case(results.case, PATH), results)
+    for key in DESIGN:
+        assert entry_shown(key, [1.0])[0].partition(" [")[0] == table.worst(key).label
 
 
 def test_entries_of_a_sweep_have_the_uncertainty_of_equal_measures(tmp_path):
