@@ -161,7 +161,7 @@ def _write(shape: MeasuredShape, path: Path) -> None:
     angle, height, value = UNITS
     lines = ["height," + ",".join(f"{one:.6g}" for one in shape.angle / angle)]
     for at, row in zip(shape.height / height, shape.value / value):
-        lines.append(f"{at:.6g}," + ",".join(f"{one:.4f}" for one in row))
+        lines.append(f"{at:.6g}," + ",".join(f"{one:z.4f}" for one in row))
     path.write_text("\n".join(lines) + "\n")
 
 

@@ -46,7 +46,7 @@ def print_body(body):
     )
     console.print(
         f"mass {body.mass:.6g} kg, "
-        f"centre of mass at {', '.join(f'{1e3 * x:.4f}' for x in centre)} mm",
+        f"centre of mass at {', '.join(f'{1e3 * x:z.4f}' for x in centre)} mm",
         highlight=False,
     )
     console.print(

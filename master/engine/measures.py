@@ -253,7 +253,7 @@ class _Run:
         crank = crank_angle(self.results)
         if crank is None:
             return f"at {short(self.results.time[row], 's')}"
-        return f"at {np.degrees(crank.angle[row]):.4g} deg"
+        return f"at {round(np.degrees(crank.angle[row]), 6):z.4g} deg"
 
 
 EXTREMES = (

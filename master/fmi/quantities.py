@@ -290,7 +290,7 @@ def short(value: float, unit: str, digits: int = 3) -> str:
     if unit == "1":
         return f"{value:.{digits}g}"
     if unit == "rad":
-        return f"{registry().Quantity(value, 'rad').to('deg').magnitude:.1f} deg"
+        return f"{registry().Quantity(value, 'rad').to('deg').magnitude:z.1f} deg"
     if not is_known(unit):
         return f"{value:.{digits}g} {unit}"
     compact = registry().Quantity(float(value), pint_unit(unit)).to_compact()
@@ -320,5 +320,5 @@ def numbers_text(value: float, spread: float) -> str:
     power = floor(log10(spread))
     places = -power + (spread / 10.0**power < TWO_DIGITS)
     places += spread < abs(value) and round(abs(value), places) == round(spread, places)
-    shown = [f"{round(number, places):.{max(places, 0)}f}" for number in (value, spread)]
+    shown = [f"{round(number, places):z.{max(places, 0)}f}" for number in (value, spread)]
     return " +- ".join(shown)

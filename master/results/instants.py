@@ -113,4 +113,5 @@ def instant_text(results, time: float) -> str:
     shown = f"{time * 1e3:.6g} ms"
     if crank is None:
         return shown
-    return f"{shown}, {np.degrees(np.interp(time, crank.time, crank.angle)):.6g} deg"
+    angle = np.degrees(np.interp(time, crank.time, crank.angle))
+    return f"{shown}, {round(angle, 6):z.6g} deg"

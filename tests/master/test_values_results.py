@@ -201,7 +201,12 @@ def test_units_in_base_units(unit, attributes):
 
 @pytest.mark.parametrize(
     "value, unit, text",
-    [(5.21e-6, "m", "5.21 µm"), (np.pi / 2, "rad", "90.0 deg"), (0.12345, "1", "0.123")],
+    [
+        (5.21e-6, "m", "5.21 µm"),
+        (np.pi / 2, "rad", "90.0 deg"),
+        (-1e-9, "rad", "0.0 deg"),
+        (0.12345, "1", "0.123"),
+    ],
 )
 def test_short_values(value, unit, text):
     assert short(value, unit) == text

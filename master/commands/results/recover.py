@@ -63,6 +63,6 @@ def stress_in_words(peak) -> str:
     """Return the part of the line about the largest stress, its position and its error."""
     x, y, z = 1e3 * peak.position
     return (
-        f", von Mises stress up to {peak.value / 1e6:.4g} MPa at x {x:.1f}, y {y:.1f}, z {z:.1f} "
-        f"mm (jump between elements {peak.jump / 1e6:.3g} MPa)"
+        f", von Mises stress up to {peak.value / 1e6:.4g} MPa at x {x:z.1f}, y {y:z.1f}, "
+        f"z {z:z.1f} mm (jump between elements {peak.jump / 1e6:.3g} MPa)"
     )
