@@ -71,7 +71,8 @@ SENTENCES = {
     "stroke_too_long": "stroke: expected at most {c} m for skirt_length = {b} m in a native FMU, "
     "got {a} m",
     "narrow_steps": "film_thickness: a land or groove is one cell wide, which the grid does not "
-    "resolve; use a finer grid or a smoother profile",
+    "resolve; use a finer grid, or remove noise of a measured profile by piston-cosim profile "
+    "--smooth",
     "beyond_pressure_law": "pressure_viscosity_law: the film pressure exceeds the range of the "
     "law, in which viscosity rises to 1000 times that of low pressure; beyond it the viscosity is "
     "constant",

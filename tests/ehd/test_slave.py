@@ -79,7 +79,7 @@ def test_a_land_of_one_cell_is_warned_of(slave, cells, warns):
     slave.show_start()
     slave.exit_initialization_mode()
     texts = [message.msg for message in slave.log_queue]
-    assert sum("one cell wide" in text for text in texts) == warns
+    assert sum("one cell wide" in text and "--smooth" in text for text in texts) == warns
 
 
 @pytest.mark.parametrize("law", ["barus_1893", "roelands_1966"])
