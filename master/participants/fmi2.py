@@ -1,6 +1,7 @@
 """FMI 2.0 FMU under the master: steps, saved states, derivatives, log."""
 
 import ctypes
+import re
 from collections import deque
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -26,6 +27,7 @@ TRUE = ctypes.c_int(fmi2.fmi2True)
 WARNING = fmi2.fmi2Warning
 MOST_MESSAGES = 200
 """Maximum number of messages of a call that are kept for its errors."""
+REFERENCE = re.compile(r"value reference (\d+)")
 
 
 def step_within(time, step, stop):
@@ -194,9 +196,16 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
 
     def _keep(self, status, text):
         """Keep a message of the FMU for errors of this call, and count it if it is a warning."""
+        text = REFERENCE.sub(self._with_names, text)
         self.log.append((status, text))
         if status == WARNING:
             self._warnings.add(text, self._warned_at)
+
+    def _with_names(self, reference):
+        """Return a match of `REFERENCE` with the names of its variables."""
+        fields = self.fields.values()
+        names = [field.name for field in fields if int(reference[1]) in field.references]
+        return f"{reference[0]} ({' or '.join(names)})" if names else reference[0]
 
     def _note_status(self, function):
         """Count the warning that a call returns, if the FMU has logged none."""

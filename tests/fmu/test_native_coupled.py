@@ -275,7 +275,7 @@ def test_a_fixed_parameter_is_rejected_after_the_start_and_never_acts(engine):
         with pytest.raises(CallFailed):
             one.set(name, value)
         words = "expected an input or a tunable parameter in Step Mode"
-        told = f"{call}: {words}, got the parameter of value reference {reference}"
+        told = f"{call}: {words}, got the parameter of value reference {reference} ({name})"
         assert list(one.log) == [(fmi2Error, told)]
         one.log.clear()
         assert one.get(name) == before
