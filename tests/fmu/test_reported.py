@@ -221,6 +221,12 @@ def test_unit_range_and_kind_of_a_declared_type(version):
     ]
 
 
+def test_start_values_are_printed_without_round_off():
+    a = fmu("a", [real("p", 2, "parameter", 'start="4.9999999999999996e-05"'), Y])
+    info = call("fmu", "info", a, "--all").stdout
+    assert [row.split()[3] for row in info.splitlines() if " p " in row] == ["5e-05"]
+
+
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_the_variables_own_attributes_replace_those_of_its_type(version):
     own = 'declaredType="Rise" unit="K" relativeQuantity="false"'

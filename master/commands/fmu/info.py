@@ -96,6 +96,13 @@ def _listed(fields, causality):
     return text
 
 
+def _start_of(field):
+    """Return the start value as text, without the round-off of a real number."""
+    if field.type == "Real" and field.start:
+        return " ".join(f"{float(number):.12g}" for number in field.start.split())
+    return field.start or ""
+
+
 def print_table(fields):
     """Print variables as a table."""
     table = Table(
@@ -108,7 +115,7 @@ def print_table(fields):
             field.name,
             "x".join(map(str, field.shape)),
             field.unit,
-            field.start or "",
+            _start_of(field),
             ", ".join(f"{k} {name}" for name, k in field.choices.items()) or range_of(field),
             "" if field.nominal is None else f"{field.nominal:g}",
             field.description,
