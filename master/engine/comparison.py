@@ -8,6 +8,7 @@ Eq. (X53):  u = sqrt(sum over causes of u_c^2),   u_c = max(|a_c - b_c|, sqrt(a_
 A difference below u is not distinguishable from zero.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from math import hypot, isclose
 from pathlib import PurePath
@@ -39,6 +40,8 @@ NOT_RESULTS = ("title", "label", "monitor", "pictures", "axes", "window", "studi
 """Tables of a case that do not affect its results."""
 MOST_NAMED = 3
 """Largest number of differences that a headline names."""
+MOST_WORDS = 25
+"""Largest number of words in a sentence about changes."""
 ROUND_OFF = 1e-9
 """Relative difference up to which values in different units are equal."""
 NOT_DISTINGUISHABLE, NOT_KNOWN = "not distinguishable", "uncertainty unknown"
@@ -266,17 +269,25 @@ def headline(names: Sequence[str], rows: list[Difference]) -> str:
 def changes(names: Sequence[str], rows: list[Difference]) -> str:
     """Return sentences about what differs in two runs, and what that changes."""
     first, second, *_ = names
-    said = []
-    for verb, sign in (("raises", 1), ("lowers", -1)):
-        known = [row for row in rows if row.size * sign > 0]
-        own = [f"the {row.label} by {row.text.lstrip('+-')}" for row in known]
-        said += [f"{verb} {listed(own)}."] if own else []
     is_file = {*"./_"} & {*first.split()[0]}  # which keeps its letters
     begin = first if is_file else f"{first[0].upper()}{first[1:]}"
     if not rows:
         return f"{begin} and {second} have no main result in common."
-    said = said or ["makes no clear difference."]
-    return f"{begin} instead of {second} {' It '.join(said)}"
+    subject, said = f"{begin} instead of {second}", []
+    for verb, sign in (("raises", 1), ("lowers", -1)):
+        known = [row for row in rows if row.size * sign > 0]
+        own = [f"the {row.label} by {row.text.lstrip('+-')}" for row in known]
+        while own:
+            fits = [f"{subject} {verb} {listed(own[: k + 1])}." for k in range(len(own))]
+            count = max(1, sum(_words(text) <= MOST_WORDS for text in fits))
+            said.append(fits[count - 1])
+            own, subject = own[count:], "It"
+    return " ".join(said) or f"{subject} makes no clear difference."
+
+
+def _words(text):
+    """Return the number of words of a text."""
+    return len(re.findall(r"\S*\w\S*", text))
 
 
 def listed(texts: Sequence[str]) -> str:

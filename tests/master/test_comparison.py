@@ -8,6 +8,7 @@ import pytest
 from piston_cosim.master.engine.comparison import (
     NOT_DISTINGUISHABLE,
     NOT_KNOWN,
+    changes,
     compared,
     difference,
     differing,
@@ -207,6 +208,18 @@ def test_results_of_unequal_lengths_are_not_comparable():
     )
     assert (
         "Better" in compared(("a", "b"), trees, (whole, replace(half, length="720 deg"))).headline
+    )
+
+
+def test_a_sentence_of_a_headline_has_at_most_25_words():
+    rows = [
+        difference(*(replace(film(value, 0.1), label=name) for value in (3.0, 2.0)), True)
+        for name in ("minimum film thickness", "maximum pressure", "mean power", "slap energy")
+    ]
+    by = "by 1.000 +- 0.028 µm"
+    assert changes(("A", "B"), rows) == (
+        f"A instead of B raises the minimum film thickness {by} and the maximum pressure {by}. "
+        f"It raises the mean power {by} and the slap energy {by}."
     )
 
 
