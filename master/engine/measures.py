@@ -97,7 +97,14 @@ class Measure:
             return self.shown
         factor, label = display_unit(self.unit, max(abs(self.value), self.uncertainty.value or 0.0))
         text = f"{self.number(factor)} {label}".rstrip()
-        return f"{text} ({DIVERGES})" if self.uncertainty.reason == DIVERGES else text
+        if self.uncertainty.reason == DIVERGES:
+            return f"{text} ({DIVERGES})"
+        spread = self.uncertainty.value or 0.0
+        if not 0.0 < self.value < spread or (self.unit == "1" and spread < LEAST_SHARE):
+            return text
+        most = numbers_text(factor * (self.value + spread), factor * spread).partition(" ")[0]
+        cause = self.uncertainty.contributor
+        return f"{text} (not resolved by the {cause}; at most {most} {label})".replace(" )", ")")
 
     def number(self, factor: float) -> str:
         """Return value and uncertainty times a factor, in digits that fit each other."""

@@ -82,6 +82,13 @@ def test_units_of_the_text(value, spread, unit, text):
     assert Measure("key", "label", value, unit, uncertainty=known).figure == text
 
 
+def test_a_figure_below_its_uncertainty_has_a_bound_and_a_cause():
+    known = combined({"grid": 1.0, "step": 900.0})
+    force = Measure("side_force_n", "side force", 400.0, "N", uncertainty=known)
+    assert force.figure == "400 +- 900 N (not resolved by the step; at most 1300 N)"
+    assert Measure("f", "f", 0.0, "N", uncertainty=known).figure == "0 +- 900 N"
+
+
 def test_parts_add_as_squares_and_the_largest_is_named():
     found = combined({"grid": 3.0, "step": -4.0})
     assert (found.value, found.contributor, found.reason) == (5.0, "step", "")
