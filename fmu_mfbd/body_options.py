@@ -247,8 +247,11 @@ class TemperatureField(Options):
     """Name of the temperature in a .vtu or .frd. Default: the only one, NDTEMP for .frd."""
 
     def contradictions(self) -> list[str]:
-        """Return the fault of no source, or two."""
-        return either(self, "file", "table")
+        """Return the fault of no source, or two, and of a name in a table."""
+        faults = either(self, "file", "table")
+        if self.table and self.field:
+            faults.append("field: expected it with file only, got it with table")
+        return faults
 
 
 class Body(PlacedMesh, MaterialOptions):

@@ -164,7 +164,8 @@ def _temperatures(mesh: Mesh, options: Piston | Block, field: TemperatureField) 
 def _places(table: Table, points: np.ndarray) -> list[str]:
     """Return a sentence if the radii or the heights of a table are not those of the body.
 
-    A line of one value is constant in its direction. Radii may begin at the body or at the axis.
+    A line of one value is constant in its direction. Radii may begin at the body or at the axis,
+    and must reach into the body.
     """
     x, y, z = points.T
     faults = []
@@ -174,7 +175,8 @@ def _places(table: Table, points: np.ndarray) -> list[str]:
     ):
         low, high = float(value.min()), float(value.max())
         begins = (low, 0.0) if name == "radii" else (low,)
-        if line.size > 1 and not any(_fits(line, begin, high) for begin in begins):
+        inside = _shared(line, low, high) >= SHARED * (high - low)
+        if line.size > 1 and not (inside and any(_fits(line, one, high) for one in begins)):
             faults.append(
                 f"expected {name} that cover {1e3 * low:.4g} to {1e3 * high:.4g} mm, those of the "
                 f"body, got {1e3 * line[0]:.4g} to {1e3 * line[-1]:.4g} mm; check length_unit"
@@ -184,8 +186,12 @@ def _places(table: Table, points: np.ndarray) -> list[str]:
 
 def _fits(line: np.ndarray, low: float, high: float) -> bool:
     """Return whether a line of positions shares enough of its length with low to high."""
-    shared = min(line[-1], high) - max(line[0], low)
-    return shared >= SHARED * max(line[-1] - line[0], high - low)
+    return _shared(line, low, high) >= SHARED * max(line[-1] - line[0], high - low)
+
+
+def _shared(line: np.ndarray, low: float, high: float) -> float:
+    """Return the length that a line of positions shares with low to high, negative for a gap."""
+    return float(min(line[-1], high) - max(line[0], low))
 
 
 def read_table(path: Path, field: TemperatureField) -> Table:

@@ -27,6 +27,8 @@ from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.geometry.profile import MeasuredShape, table_shape
 from piston_cosim.fmu_mfbd.preview import preview
 from piston_cosim.fmu_mfbd.reduction.hot_shape import (
+    Table,
+    _places,
     hot_shape,
     on_table,
     read_table,
@@ -432,6 +434,17 @@ def test_table_of_another_length_unit_is_rejected(unit, coarse, tmp_path):
         assert fault.endswith("check length_unit")
 
 
+@pytest.mark.parametrize(
+    "radii, fits",
+    [((0, 60), True), ((37, 60), True), ((0, 23), False), ((0, 38), False)],
+)
+def test_radii_of_a_table_reach_into_a_hollow_body(radii, fits):
+    """Radii that count from the bore of 37 mm end at its wall of 23 mm, far from the body."""
+    points = np.array([[37e-3, 0.0, 0.0], [60e-3, 0.1, 0.0]])
+    table = Table(1e-3 * np.array(radii), np.array([0.0, 0.1]), np.full((2, 2), 400.0))
+    assert (not _places(table, points)) == fits
+
+
 def test_options_that_exclude_each_other():
     sheet = {"rigid": {"radius": "40 mm"}, "bore_lower": "0 mm", "bore_upper": "1 mm"}
     shape = {"file": "u.csv", "length_unit": "1 mm"}
@@ -440,6 +453,8 @@ def test_options_that_exclude_each_other():
     field = {"length_unit": "1 mm", "temperature_unit": "degC"}
     with pytest.raises(ValueError, match="expected either file or table, got neither"):
         TemperatureField(**field)
+    with pytest.raises(ValueError, match="field: expected it with file only, got it with table"):
+        TemperatureField(**field, table="t.csv", field="T")
     with pytest.raises(ValueError, match="temperature_field: expected nothing with hot_shape"):
         Block(mesh="a.inp", hot_shape=shape, temperature_field=field | {"table": "t.csv"})
 
