@@ -89,6 +89,8 @@ RATIOS = {"length": (0.02, 2000.0), "clearance": (1e-6, 0.1)}
 OWN = {"bore_radius", "skirt_length", "open_cells", "surface", "opening_supply", "oil"}
 OWN |= {"pressure_openings", "sector_angle", "grid", "oil_supply", "viscosity"}
 """Parameters of a film that follow from the inputs."""
+EDGES = "oil_temperature_lower_edge", "oil_temperature_upper_edge"
+"""Parameters of a film that have the temperature of its oil."""
 
 ROWS = {
     "sommerfeld_number": ("Sommerfeld number S", ""),
@@ -340,7 +342,8 @@ def _read(
     try:
         Film((4, 4), surface="bearing", **parameters)
     except BadInput as error:
-        faults += [re.sub("^viscosity:", "oil:", fault) for fault in error.faults]
+        of_oil = "|".join({"viscosity", *EDGES} - set(film))
+        faults += dict.fromkeys(re.sub(f"^({of_oil}):", "oil:", one) for one in error.faults)
     if faults:
         raise BadInput(faults)
     return values, parameters
@@ -383,8 +386,7 @@ def _oil(oil: Any) -> dict[str, Any]:
         )
     if faults:
         raise BadInput(faults)
-    edges = ("oil_temperature_lower_edge", "oil_temperature_upper_edge")
-    return dict(oil=library) | dict.fromkeys(edges, kelvin)
+    return dict(oil=library) | dict.fromkeys(EDGES, kelvin)
 
 
 # ---- one grid

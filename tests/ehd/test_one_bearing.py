@@ -245,6 +245,7 @@ def test_all_faults_are_reported_at_once():
         (dict(oil="SAE 10W-31 at 90 degC"), "oil: expected one of engine_oil_vogel_cross,"),
         (dict(oil="20 mPa"), "oil: expected a quantity in Pa.s, got '20 mPa'"),
         (dict(oil="-3 mPa s"), "oil: expected 1e-05 to 1000 Pa.s, got -0.003 Pa.s"),
+        (dict(oil="SAE 5W-30 at 900 degC"), "oil: expected 233.15 to 573.15 K, got 1173.15 K"),
         (dict(viscosity="3 mPa s"), "viscosity: expected no value, which the inputs set"),
         (dict(oil=None), "oil: expected a quantity in Pa.s, got nothing"),
         (dict(oil="sae_5w_30 at 5 bar"), "oil: expected a temperature after the name"),
