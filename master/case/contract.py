@@ -435,7 +435,7 @@ def fmu_of_model(role: str, model: str, table: dict, say: Callable[[str], object
     BadInput
         If the file or the class does not exist.
     """
-    if ".py:" in model:
+    if ".py:" in model and Path(model.rpartition(":")[0]).is_file():
         from ..fmi.builder import build_fmu_of_file
 
         grid = table.get("build", {}).get("grid", [40, 40])

@@ -20,7 +20,7 @@ from piston_cosim.master.case.check import CheckedCase, check
 from piston_cosim.master.case.reading import find_case
 from piston_cosim.master.commands.app import main
 from piston_cosim.master.commands.usage import faults_of
-from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.fmi.errors import BadInput, near
 
 LONGEST = 5.0
 """Processor time of one wrong input [s]."""
@@ -162,6 +162,7 @@ SAID = {
     f"{SHEET} coupling.relaxation=true": "relaxation: expected a number, got 'true'",
     f"{SHEET} bodies.build.grid=[true,40]": "grid.0: expected a whole number, got 'true'",
     "run data_sheet --jobs 1.5": "--jobs: expected a whole number, got '1.5'",
+    "run data_sheet --lubrication x.py:Film": "--lubrication: expected an existing FMU or FILE.py",
     "run data_sheet --lubrication x.py": "expected an existing FMU or FILE.py:CLASS, got 'x.py'",
     "results scalars good.h5 --output s.xlsx": "--output: expected .csv, got 's.xlsx'",
     "results plot good.h5 folder/../good.h5": "expected different files, got 'folder/../good.h5'",
@@ -390,6 +391,11 @@ def elsewhere(files, monkeypatch):
 def test_wrong_calls(arguments, monkeypatch, capsys):
     faults_of_call(arguments, monkeypatch, capsys)
     assert all(Path(name).read_text() == "kept" for name in KEPT)
+
+
+def test_the_hyphens_of_options_are_no_similarity():
+    assert near("--oil", ["--rod", "--bore"]) == ""
+    assert near("--bor", ["--rod", "--bore"]) == "; did you mean '--bore'?"
 
 
 @pytest.mark.parametrize("call", SAID)
