@@ -9,7 +9,7 @@ from ..case.tables import reduced
 from ..fmi.quantities import short
 from ..results.file import Results
 from ..results.instants import length_text
-from .measures import NO_CONTACT, NO_IMPACT, Measure, Measures, measures, unknown_in_words
+from .measures import Measure, Measures, measures, unknown_in_words
 from .uncertainty import UNKNOWN, display_unit
 from .verdicts import RANK, WORDS, Verdict, verdicts
 
@@ -103,9 +103,7 @@ def row_of(case, path) -> dict[str, float | str]:
     found: dict[str, float | str] = {**one.table.design}
     for key, measure in chosen.items():
         known = measure.uncertainty if measure else UNKNOWN
-        if measure and measure.shown in (NO_CONTACT, NO_IMPACT):
-            found[f"{key}_uncertainty"] = 0.0
-        elif known is not UNKNOWN:
+        if known is not UNKNOWN:
             found[f"{key}_uncertainty"] = known.reason if known.value is None else known.value
     return found | {"worst_check": worst_check(one.verdicts)}
 

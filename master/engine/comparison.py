@@ -113,6 +113,7 @@ def compared(
     remarks += unknown_in_words([one for row in rows for one in (row.first, row.second)])
     worst = [[table.worst(key) for key in MAIN] for table in tables]
     main = [difference(one, other, alike) for one, other in zip(*worst) if one and other]
+    main = [row for row in main if not row.is_zero]
     apart = unequal_lengths(found, tables)
     main = [row._replace(better=0) for row in main] if apart else main
     said = " ".join(filter(None, [headline(found, main), apart]))

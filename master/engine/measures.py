@@ -35,6 +35,7 @@ from .places import CellPosition, highest_position, thinnest_position
 from .uncertainty import (
     CAUSES,
     DIVERGES,
+    EXACT,
     LUCK,
     UNKNOWN,
     Uncertainty,
@@ -155,7 +156,7 @@ class Measures:
     @property
     def estimated(self) -> list[Measure]:
         """Measures that have an uncertainty, or a reason why it is unknown."""
-        return [one for one in self.all if one.uncertainty is not UNKNOWN]
+        return [one for one in self.all if one.uncertainty not in (UNKNOWN, EXACT)]
 
     @property
     def design(self) -> dict[str, float]:
@@ -200,6 +201,8 @@ def measures(case: Case, results: Results) -> Measures:
 
 def _estimated(measure: Measure, indicator: Indicator, results: Results, films) -> Measure:
     """Return a measure with its uncertainty: the parts of `run --uncertainty`, or estimates."""
+    if measure.shown in (NO_IMPACT, NO_CONTACT):
+        return replace(measure, uncertainty=EXACT)
     if measure.key not in GRID or measure.shown:
         return measure
     film = indicator.film_of(measure.owner)

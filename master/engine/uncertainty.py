@@ -44,6 +44,8 @@ class Uncertainty:
 
 
 UNKNOWN = Uncertainty()
+EXACT = Uncertainty(0.0, "", "")
+"""Uncertainty of contact and impacts that do not occur."""
 LUCK = 1.0 / 3.0
 """Smallest part of `run --uncertainty` over the estimate of the run alone, which is right within a
 factor of about 3: a difference of two runs may vanish by chance."""

@@ -17,7 +17,7 @@ from piston_cosim.master.engine.comparison import (
     spread,
 )
 from piston_cosim.master.engine.measures import Measure, Measures
-from piston_cosim.master.engine.uncertainty import DIVERGES, Uncertainty, combined
+from piston_cosim.master.engine.uncertainty import DIVERGES, EXACT, Uncertainty, combined
 
 KEY = "minimum_film_thickness_m"
 
@@ -221,6 +221,15 @@ def test_a_sentence_of_a_headline_has_at_most_25_words():
         f"A instead of B raises the minimum film thickness {by} and the maximum pressure {by}. "
         f"It raises the mean power {by} and the slap energy {by}."
     )
+
+
+def test_no_impact_is_an_exact_zero():
+    none = Measure("slap_energy_j", "slap energy", 0.0, "J", "bodies", uncertainty=EXACT)
+    slap = replace(none, value=3e-3, uncertainty=combined({"grid": 1e-4}))
+    assert difference(slap, none, False).text == "+3.00 +- 0.10 mJ"
+    pair = [Measures(all=[film(value, 0.1), none]) for value in (3.0, 2.0)]
+    found = compared(("a", "b"), (tree("a.csv"), tree("b.csv")), pair)
+    assert "slap" not in found.headline and found.remarks == ["Zero in both runs: slap energy."]
 
 
 def test_runs_without_a_common_figure_say_so():
