@@ -113,8 +113,12 @@ def command(
         shown = "  ".join(f"{axis.name.split('.')[-1]} {row[axis.name]}" for axis in axes)
         tell(f"{done}/{total}  {row['status']:9s}  {shown}  {row['message']}", markup=False)
 
-    with sweeps.dask_executor(dask) if dask else LocalPool(workers, limit) as executor:
-        rows = sweeps.sweep(points, path.parent, folder, executor, watch, uncertainty)
+    try:
+        with sweeps.dask_executor(dask) if dask else LocalPool(workers, limit) as executor:
+            rows = sweeps.sweep(points, path.parent, folder, executor, watch, uncertainty)
+    except KeyboardInterrupt:
+        say("finished points are saved; repeat the call to continue")
+        raise
     tell(f"table    {table}")
     is_pair = len(rows) == 2 and all(row["status"] == "done" for row in rows)
     sentence = _compare(points, folder) if is_pair else ""

@@ -82,6 +82,8 @@ def open_results(path: str | Path) -> Results:
     path = Path(path)
     if not path.is_file():
         got = "a folder" if path.is_dir() else "no such file"
+        if (checkpoint := Path(f"{path}.checkpoint")).is_file():
+            got = f"an interrupted run; piston-cosim resume {checkpoint} continues it"
         raise BadInput(f"{path}: expected a results file, got {got}")
     try:
         results = Results(path)

@@ -193,6 +193,7 @@ SAID = {
     "results movie good.h5": "got nothing; the file has no fields, name them in record.fields",
     "results plot cut.h5": "expected the results file of a run, got a truncated one",
     "results plot empty.h5": "expected the results file of a run, got another file",
+    "results plot cut_off.h5": "got an interrupted run; piston-cosim resume cut_off.h5.checkpoint",
     "results plot folder": "folder: expected a results file, got a folder",
     "results report good.h5 --measured good.h5": "expected a text file, got a binary one",
     "results scalars good.h5 --output text.csv/x.csv": "expected a folder, got the file",
@@ -360,7 +361,8 @@ def faults_of_call(arguments, monkeypatch, capsys):
 def files(tmp_path_factory):
     """Folder with files of other content, and with the results of a short run."""
     folder = tmp_path_factory.mktemp("files")
-    names = "text.h5 text.fmu text.toml text.msh text.csv text.py text.h5.checkpoint"
+    names = "text.h5 text.fmu text.toml text.msh text.csv text.py text.h5.checkpoint "
+    names += "cut_off.h5.checkpoint"
     for name in names.split():
         (folder / name).write_text("no such content\n")
     for name in ("folder", "kept"):
