@@ -70,10 +70,11 @@ def names_of(known: Iterable[str]) -> str:
 def near(name: str, known: Iterable[str]) -> str:
     """Return "; did you mean 'name'?", or nothing if no known name is similar.
 
-    The hyphens of options do not count.
+    Capitals and the hyphens of options do not count.
     """
-    names = {str(one).lstrip("-"): str(one) for one in known}
-    close = [names[one] for one in get_close_matches(name.lstrip("-"), names, 2, 0.6)]
+    names = {str(one).lstrip("-").lower(): str(one) for one in known}
+    wanted = name.lstrip("-").lower()
+    close = [names[one] for one in get_close_matches(wanted, names, 2, 0.6)]
     return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
 
 

@@ -395,7 +395,8 @@ def test_wrong_calls(arguments, monkeypatch, capsys):
     assert all(Path(name).read_text() == "kept" for name in KEPT)
 
 
-def test_the_hyphens_of_options_are_no_similarity():
+def test_neither_hyphens_nor_capitals_count_in_similar_names():
+    assert near("JFO", ["jfo", "gumbel"]) == "; did you mean 'jfo'?"
     assert near("--oil", ["--rod", "--bore"]) == ""
     assert near("--bor", ["--rod", "--bore"]) == "; did you mean '--bore'?"
 
