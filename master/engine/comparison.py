@@ -110,6 +110,8 @@ def compared(
     zero = [row.label for row in rows if row.is_zero]
     rows = [row for row in rows if not row.is_zero]
     remarks = [f"Zero in both runs: {', '.join(zero)}."] if zero else []
+    if not _titles(trees[0]) & _titles(trees[1]):
+        remarks.append("The runs are of cases with different titles, whose other keys may differ.")
     remarks += unknown_in_words([one for row in rows for one in (row.first, row.second)])
     worst = [[table.worst(key) for key in MAIN] for table in tables]
     main = [difference(one, other, alike) for one, other in zip(*worst) if one and other]
@@ -202,6 +204,11 @@ def differing(one: dict[str, Any], other: dict[str, Any], names: Sequence[str]) 
         return names[0], names[1]
     first, second = (" and ".join(each[k] for each in parts) for k in (0, 1))
     return first, second
+
+
+def _titles(tree):
+    """Return the titles of a case and its variants."""
+    return {one.get("title") for one in (tree, *tree.get("variants", {}).values())}
 
 
 def _equal(one, other):

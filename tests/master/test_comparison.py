@@ -223,6 +223,15 @@ def test_a_sentence_of_a_headline_has_at_most_25_words():
     )
 
 
+def test_runs_of_two_cases_have_a_remark():
+    table = Measures(all=[film(3.0, 0.1)])
+    one, other = ({"title": title} | tree("a.csv") for title in ("One", "Other"))
+    names, tables = ("a", "b"), (table, table)
+    assert compared(names, (one, other), tables).remarks[0].startswith("The runs are of cases with")
+    variant = other | {"variants": {"more": {"title": "One"}}}
+    assert not compared(names, (one, variant), tables).remarks
+
+
 def test_no_impact_is_an_exact_zero():
     none = Measure("slap_energy_j", "slap energy", 0.0, "J", "bodies", uncertainty=EXACT)
     slap = replace(none, value=3e-3, uncertainty=combined({"grid": 1e-4}))
