@@ -127,6 +127,15 @@ def variant_trees(path, changes, only, say=lambda text: None):
     return trees
 
 
+def warn_of_estimates(trees, folder):
+    """Warn of runs, tree by label, whose uncertainties will be estimates despite --uncertainty."""
+    from ..runs.uncertainty import reason_ahead  # slow to import
+
+    for label, tree in trees.items():
+        if why := reason_ahead(tree, folder):
+            say(f"warning: {label}: --uncertainty will be an estimate from the run alone: {why}")
+
+
 def open_runs(files):
     """Return the case of the first results file, and the results by label.
 

@@ -39,6 +39,7 @@ from .common import (
     say,
     tell,
     variant_trees,
+    warn_of_estimates,
 )
 
 
@@ -102,7 +103,7 @@ def command(
     cases = {label: check_case(tree, path) for label, tree in trees.items()}
     _say_ahead(cases, variants, plots, only)
     if uncertainty:
-        _warn_of_estimates(trees, path.parent)
+        warn_of_estimates(trees, path.parent)
     folder = output or default_folder(path)
     folder = folder.absolute()  # an FMU may change the working directory
     summary_json = summary_json and summary_json.absolute()
@@ -163,15 +164,6 @@ def _say_ahead(cases, variants, plots, only):
     others = [label for label in first.variants if label not in variants]
     if others and not only:
         say(f"variants not run: {', '.join(others)}; run one with --only LABEL")
-
-
-def _warn_of_estimates(trees, folder):
-    """Warn of variants whose uncertainties will be estimates of their run."""
-    from ..runs.uncertainty import reason_ahead  # slow to import
-
-    for label, tree in trees.items():
-        if why := reason_ahead(tree, folder):
-            say(f"warning: {label}: --uncertainty will be an estimate from the run alone: {why}")
 
 
 def _run(label, system, case, variant, log):

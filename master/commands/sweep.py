@@ -28,6 +28,7 @@ from .common import (
     say,
     tell,
     variant_trees,
+    warn_of_estimates,
 )
 
 
@@ -99,6 +100,8 @@ def command(
     for key in sorted({one for one in varied if varied.count(one) > 1}):
         raise BadInput(f"--vary: expected different keys, got {key} twice")
     points = sweeps.all_points(path, changes, axes)
+    if uncertainty:
+        warn_of_estimates({"first point": points[0].tree}, path.parent)
     folder = Path(
         output
         or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"

@@ -199,7 +199,8 @@ def run_point(tree, case_folder, output, uncertainty=False):
         case = check_case(tree, case_folder)
         summary = run(open_system(case, folder, _silent), case, tree, Path(output))
         added = complete(tree, folder, Path(output), _silent, uncertainty)
-        missed = {key: value for key, value in added.items() if not key.startswith(PART)}
+        shown = f"{PART}reason", f"{PART}kept"
+        missed = {k: value for k, value in added.items() if not k.startswith(PART) or k in shown}
         measured = row_of(case, Path(output)) | ({COMPUTED: True} if uncertainty else {})
         return {"status": "done", "message": ""} | measured | summary | missed
     except BadInput as error:

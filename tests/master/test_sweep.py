@@ -144,6 +144,15 @@ def test_a_point_states_what_its_modes_leave_out(tree, tmp_path, monkeypatch):
     assert asked == [(tree, PATH.parent, tmp_path / "run.h5")]
 
 
+def test_a_point_states_why_it_has_estimates_only(tree, tmp_path, monkeypatch):
+    """The parts of uncertainties are not in the table, the reason is."""
+    added = {"uncertainty_reason": "few cells", "uncertainty_grid_slap_energy_j": 1.0}
+    replace(monkeypatch, nothing)
+    monkeypatch.setattr("piston_cosim.master.runs.uncertainty.state_uncertainty", lambda *_: added)
+    row = run_point(tree, str(PATH.parent), str(tmp_path / "run.h5"), True)
+    assert row["uncertainty_reason"] == "few cells" and "uncertainty_grid_slap_energy_j" not in row
+
+
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"status": "failed"}', '{"x": 1.0}'])
 def test_a_row_that_is_damaged_or_failed_is_no_row(tree, tmp_path, text):
     points = all_points(PATH, [], [parse_axis("crank_speed=1000rpm;2000rpm", tree)])
