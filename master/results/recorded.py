@@ -12,6 +12,7 @@ import numpy as np
 
 from ..case.checked import check_case
 from ..case.contract import envelope_kinds
+from ..fmi.errors import BadInput, unknown
 from .coordinates import crank_angle_port
 
 
@@ -198,7 +199,15 @@ class Recorded:
         """Return a scalar output over the macro steps: (values, unit, description).
 
         Values are floats, 64-bit integers, or texts.
+
+        Raises
+        ------
+        BadInput
+            If the run has no such output.
         """
+        if port not in {"time", *self._scalars}:
+            hint = "read it by dataset" if port in self.recorded else ""
+            raise BadInput(f"port: {unknown('scalar output', port, self._scalars, hint)}")
         dataset = self.file[dataset_path(port)]
         is_text = h5py.check_string_dtype(dataset.dtype)
         values = (dataset.asstr(errors="surrogateescape") if is_text else dataset)[self._since :]
