@@ -16,7 +16,7 @@ from ..case.system import open_system
 from ..fmi.errors import BadInput, for_all, unknown
 from ..participants.participant import Participant
 from ..results.file import Results
-from ..runs.run import run as run_system
+from ..runs.completed import complete_run
 
 log = logging.getLogger("piston_cosim")
 
@@ -163,15 +163,14 @@ class Case:
         StepFailed
             If a macro step does not converge.
         """
-        from ..runs.completed import complete
-
         output = Path(output or Path("results") / self.name / f"{self.label}.h5").absolute()
         models = {"lubrication": _model(lubrication), "bodies": _model(bodies)}
         tree = swap_all({self.label: self.tree}, models, log.info)[self.label]
         checked = check_case(tree, self.path)
         system = open_system(checked, self.path.parent, log.info, self.own)
         watch = (_telling(progress, system.begin),) if progress else ()
-        summary = run_system(system, checked, tree, output, *watch, say=log.info, log=log.info)
+        what = system, checked, tree, output, *watch
+        summary = complete_run(*what, say=log.info, log=log.info, uncertainty=uncertainty)
         if summary.get("loops_stepped_explicitly"):
             log.warning(
                 "%s: loops with an FMU that cannot restore a saved state step without "
@@ -181,7 +180,6 @@ class Case:
         for line in summary.get("warnings", ()):
             if line.startswith("wire ") or "expected a finite output" in line:
                 log.warning("%s: %s", self.name, line)
-        complete(tree, self.path.parent, output, log.info, uncertainty)
         return Results(output)
 
     def __repr__(self) -> str:
@@ -276,8 +274,7 @@ def sweep(
         Folder of `sweep.csv` and the results of each run. Default: results/sweep_NAME. Finished
         runs of an earlier sweep are reused, failed ones are repeated.
     workers : int, optional
-        Number of processes. Default: number of processors. A script that calls this needs
-        `if __name__ == "__main__":` around it, as with all of Python's processes.
+        Number of processes. Default: number of processors.
     progress : callable, optional
         Called with (row, number done, number of all) after each run.
     uncertainty : bool

@@ -11,9 +11,8 @@ from ..engine.answer import answer
 from ..fmi.errors import BadInput
 from ..results.file import Results
 from ..runs.checkpoint import Checkpoint, check_code
-from ..runs.completed import complete
+from ..runs.completed import complete_run
 from ..runs.console import print_summary, watching
-from ..runs.run import run as run_system
 from .common import console, print_answers, say, tell
 
 
@@ -42,8 +41,7 @@ def command(checkpoint: Path, /, *, verbose: Annotated[bool, Parameter(negative=
     system = open_system(case, Path(kept.folder), say)
     log = say if verbose else lambda line: None
     with watching(console, output.stem) as watch:
-        summary = run_system(system, case, kept.tree, output, watch, kept, say, log)
-    summary |= complete(kept.tree, Path(kept.folder), output, say)
+        summary = complete_run(system, case, kept.tree, output, watch, kept, say=say, log=log)
     if verbose:
         print_summary(console, {output.stem: summary})
     with Results(output) as results:

@@ -17,11 +17,10 @@ from ..fmi.errors import for_all
 from ..fmi.jobs import VARIABLE as JOBS
 from ..fmi.jobs import jobs as count_jobs
 from ..results.file import Results
-from ..runs.completed import complete
+from ..runs.completed import complete_run
 from ..runs.console import print_summary, watching
 from ..runs.kernels import compile_kernels
 from ..runs.pool import LocalPool
-from ..runs.run import run as run_system
 from ..runs.variants import Outcome, Variant, run_variants, start_processes
 from ..runs.working import working
 from .app import STARTED
@@ -168,10 +167,10 @@ def _say_ahead(cases, variants, plots, only):
 
 def _run(label, system, case, variant, log):
     """Run a variant in this process."""
-    tree, folder, file, uncertainty = variant
+    how = {"say": say, "log": log, "uncertainty": variant.uncertainty}
     with watching(console, label) as watch:
-        summary = run_system(system, case, tree, file, watch, say=say, log=log)
-    return Outcome(summary | complete(tree, folder, file, say, uncertainty), watch.first)
+        summary = complete_run(system, case, variant.tree, variant.output, watch, **how)
+    return Outcome(summary, watch.first)
 
 
 def open_all(cases, folder):

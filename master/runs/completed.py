@@ -1,41 +1,43 @@
-"""End of a run: summary entries that need its results file."""
+"""Run of an opened system with the summary entries that need its results file."""
 
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ..engine.truncation import state_truncation
+from .run import run
 
 
-def complete(
+def complete_run(
+    system: Any,
+    case: Any,
     tree: dict[str, Any],
-    folder: Path,
     output: Path,
-    progress: Callable[[str], object],
+    *arguments: Any,
+    say: Callable[[str], object],
     uncertainty: bool = False,
-) -> dict[str, float | str]:
-    """Add the truncation error, and uncertainties if wanted, to the summary of a finished run.
+    **options: Any,
+) -> dict[str, Any]:
+    """Run a system, and add the truncation error, and uncertainties if wanted, to its summary.
 
     Parameters
     ----------
-    tree, folder
-        TOML tree of the run's case, and the folder of its paths.
-    output : Path
-        Results file of the run.
-    progress : callable
-        Called with messages.
+    system, case, tree, output, say, *arguments, **options
+        As those of `runs.run.run`.
     uncertainty : bool
         Compute the uncertainty of the main results from a second grid and doubled steps.
 
     Returns
     -------
-    dict of str to float or str
-        Added entries, see `state_truncation` and `state_uncertainty`.
+    dict
+        The summary with the entries of `state_truncation` and `state_uncertainty`.
     """
-    added = state_truncation(tree, folder, output, progress)
+    summary = run(system, case, tree, output, *arguments, say=say, **options)
+    where = tree, Path(system.folder), output, say
+    summary |= state_truncation(*where)
     if uncertainty:
         from .uncertainty import state_uncertainty  # slow to import
 
-        progress(f"{output.stem}: computing uncertainties from a second grid and doubled steps")
-        added |= state_uncertainty(tree, folder, output, progress)
-    return added
+        say(f"{output.stem}: computing uncertainties from a second grid and doubled steps")
+        summary |= state_uncertainty(*where)
+    return summary

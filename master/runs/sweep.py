@@ -191,18 +191,17 @@ def run_point(tree, case_folder, output, uncertainty=False):
     from ..case.system import open_system
     from ..engine.answer import row_of
     from ..engine.uncertainty import PART
-    from .completed import complete
-    from .run import run
+    from .completed import complete_run
 
-    folder = Path(case_folder)
     try:
         case = check_case(tree, case_folder)
-        summary = run(open_system(case, folder, _silent), case, tree, Path(output))
-        added = complete(tree, folder, Path(output), _silent, uncertainty)
+        system = open_system(case, Path(case_folder), _silent)
+        how = {"say": _silent, "uncertainty": uncertainty}
+        summary = complete_run(system, case, tree, Path(output), **how)
         shown = f"{PART}reason", f"{PART}kept"
-        missed = {k: value for k, value in added.items() if not k.startswith(PART) or k in shown}
+        entries = {k: v for k, v in summary.items() if not k.startswith(PART) or k in shown}
         measured = row_of(case, Path(output)) | ({COMPUTED: True} if uncertainty else {})
-        return {"status": "done", "message": ""} | measured | summary | missed
+        return {"status": "done", "message": ""} | measured | entries
     except BadInput as error:
         return {"status": "bad input", "message": "; ".join(error.faults)}
     except Stopped as error:  # no convergence, a fault of a participant, a full disk

@@ -9,10 +9,9 @@ from typing import Any, NamedTuple
 from ..case.checked import check_case
 from ..case.system import open_system
 from ..fmi.errors import BadInput, Stopped
-from .completed import complete
+from .completed import complete_run
 from .console import Watch
 from .pool import LocalPool, PointDied
-from .run import run
 from .signals import forwarding
 from .working import REFRESH, bars, every
 
@@ -119,8 +118,8 @@ def _run(tell, variant: Variant) -> Outcome:
         case = check_case(tree, folder)
         with every(REFRESH, watch.tick):
             system = open_system(case, folder, say)
-            summary = run(system, case, tree, output, watch, say=say, log=log)
-        summary |= complete(tree, folder, output, say, uncertainty)
+            how = {"say": say, "log": log, "uncertainty": uncertainty}
+            summary = complete_run(system, case, tree, output, watch, **how)
         tell(("show", 1.0, ""))
         return Outcome(summary, watch.first)
     except BadInput as error:

@@ -4,6 +4,7 @@ import csv
 import errno
 import os
 from concurrent.futures import Executor, Future
+from types import SimpleNamespace
 
 import pytest
 
@@ -86,14 +87,18 @@ class Here(Executor):
         return future
 
 
-def nothing(*given):
+def nothing(*given, **options):
     return {}
+
+
+def opened(*given):
+    return SimpleNamespace(folder=str(PATH.parent))
 
 
 def replace(monkeypatch, run, truncation=nothing, measures=nothing):
     """Let points run so, and nothing be built."""
-    others = {"runs.run.run": run, "runs.completed.state_truncation": truncation}
-    others |= {"engine.answer.row_of": measures, "case.system.open_system": nothing}
+    others = {"runs.completed.run": run, "runs.completed.state_truncation": truncation}
+    others |= {"engine.answer.row_of": measures, "case.system.open_system": opened}
     for name, function in others.items():
         monkeypatch.setattr(f"piston_cosim.master.{name}", function)
 
@@ -103,7 +108,7 @@ def test_a_full_disk_fails_its_point_and_a_second_start_tries_it_again(tree, tmp
     points = all_points(PATH, [], [parse_axis("crank_speed=1000rpm;2000rpm", tree)])
     full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    def run(system, case, tree, path):
+    def run(system, case, tree, path, **options):
         if path.stem == points[1].name and not freed:
             raise CannotWrite.of(path, full)
         return {"steps": 3}
@@ -137,7 +142,8 @@ def test_a_point_states_what_its_modes_leave_out(tree, tmp_path, monkeypatch):
         return {"truncation_error_piston": 0.1}
 
     measured = {"slap_energy_j": 2}
-    replace(monkeypatch, lambda *given: {"steps": 3}, truncation, lambda *given: measured)
+    run = lambda *given, **how: {"steps": 3}  # noqa: E731
+    replace(monkeypatch, run, truncation, lambda *given: measured)
     row = run_point(tree, str(PATH.parent), str(tmp_path / "run.h5"))
     expected = {"slap_energy_j": 2, "steps": 3, "truncation_error_piston": 0.1}
     assert row == {"status": "done", "message": ""} | expected
