@@ -53,6 +53,11 @@ def _q(name):
     return f"{{{SPACE[part]}}}{local}"
 
 
+def _add(parent, tag, /, **attributes):
+    """Add an element such as "ssd:Connector" to another one, and return it."""
+    return SubElement(parent, _q(tag), attributes)
+
+
 def export_ssp(tree, system, path):
     """Write a case as an SSP.
 
@@ -144,57 +149,52 @@ def _structure(tree, system, version):
         _q("ssd:SystemStructureDescription"),
         {"name": SYSTEM, "version": version, "generationTool": VENDOR},
     )
-    top = SubElement(root, _q("ssd:System"), {"name": SYSTEM, "description": tree["title"]})
+    top = _add(root, "ssd:System", name=SYSTEM, description=tree["title"])
     ports = _system_ports(system)
-    connectors = SubElement(top, _q("ssd:Connectors"))
+    connectors = _add(top, "ssd:Connectors")
     for shown, (owner, name) in ports.items():
         participant = system.participants[owner]
         _connector(connectors, participant, participant.fields[name], shown)
     _binding(top, SYSTEM)
-    elements = SubElement(top, _q("ssd:Elements"))
+    elements = _add(top, "ssd:Elements")
     for name, participant in system.participants.items():
         wired = {end[1] for c in _carried(system) for end in (c.source, c.target) if end[0] == name}
         _component(elements, participant, wired | set(_scalars(participant)))
-    joined = SubElement(top, _q("ssd:Connections"))
+    joined = _add(top, "ssd:Connections")
     for c in _carried(system):
         source = system.participants[c.source[0]]
         for index in _indices(source, source.fields[c.source[1]].shape):
-            SubElement(
-                joined,
-                _q("ssd:Connection"),
-                {
-                    "startElement": c.source[0],
-                    "startConnector": c.source[1] + index,
-                    "endElement": c.target[0],
-                    "endConnector": c.target[1] + index,
-                },
-            )
+            _connect(joined, (c.source[0], c.source[1] + index), (c.target[0], c.target[1] + index))
     for shown, (owner, name) in ports.items():
-        inside = {"Element": owner, "Connector": name}
+        ends = (None, shown), (owner, name)
         enters = system.participants[owner].fields[name].causality == "input"
-        near, far = ("end", "start") if enters else ("start", "end")
-        ends = {near + key: value for key, value in inside.items()} | {f"{far}Connector": shown}
-        SubElement(joined, _q("ssd:Connection"), ends)
+        _connect(joined, *(ends if enters else reversed(ends)))
     _annotations(top, tree, system)
     _units(root, "ssd", {c.get("unit") for c in root.iter()})
-    SubElement(
-        root,
-        _q("ssd:DefaultExperiment"),
-        {"startTime": repr(system.begin), "stopTime": repr(system.earliest)},
-    )
+    times = {"startTime": repr(system.begin), "stopTime": repr(system.earliest)}
+    _add(root, "ssd:DefaultExperiment", **times)
     return root
+
+
+def _connect(parent, *ends):
+    """Add a connection of two ends (element, connector); the system itself is no element."""
+    attributes = {}
+    for side, (element, connector) in zip(("start", "end"), ends):
+        attributes |= {f"{side}Element": element} if element else {}
+        attributes[f"{side}Connector"] = connector
+    _add(parent, "ssd:Connection", **attributes)
 
 
 def _annotations(parent, tree, system):
     """Add the step for OMSimulator, then the case for this tool."""
-    annotations = SubElement(parent, _q("ssd:Annotations"))
-    node = SubElement(annotations, _q("ssc:Annotation"), {"type": "org.openmodelica"})
+    annotations = _add(parent, "ssd:Annotations")
+    node = _add(annotations, "ssc:Annotation", type="org.openmodelica")
     for name in ("Annotations", "SimulationInformation"):
         node = SubElement(node, f"{{{OMS}}}{name}")
     master = {"description": "oms-ma", "stepSize": repr(system.step)}
     tolerances = {"absoluteTolerance": "1e-4", "relativeTolerance": "1e-4"}
     SubElement(node, f"{{{OMS}}}FixedStepMaster", master | tolerances)
-    own = SubElement(annotations, _q("ssc:Annotation"), {"type": VENDOR})
+    own = _add(annotations, "ssc:Annotation", type=VENDOR)
     kept = {key: value for key, value in tree.items() if key not in LEFT}
     SubElement(own, "case").text = json.dumps(kept)
 
@@ -204,10 +204,9 @@ def _units(parent, part, names):
     known = sorted(name for name in names if name and _is_declared(name))
     if not known:
         return
-    units = SubElement(parent, _q(f"{part}:Units"))
+    units = _add(parent, f"{part}:Units")
     for name in known:
-        unit = SubElement(units, _q("ssc:Unit"), {"name": name})
-        SubElement(unit, _q("ssc:BaseUnit"), base_unit(name))
+        _add(_add(units, "ssc:Unit", name=name), "ssc:BaseUnit", **base_unit(name))
 
 
 def _unit(field):
@@ -263,8 +262,8 @@ def _starts(system, version):
 
 def _binding(parent, name):
     """Bind the SSV of this name to the element."""
-    bindings = SubElement(parent, _q("ssd:ParameterBindings"))
-    SubElement(bindings, _q("ssd:ParameterBinding"), {"source": f"resources/{name}.ssv"})
+    bindings = _add(parent, "ssd:ParameterBindings")
+    _add(bindings, "ssd:ParameterBinding", source=f"resources/{name}.ssv")
 
 
 def _indices(participant, shape):
@@ -275,16 +274,10 @@ def _indices(participant, shape):
 
 
 def _component(parent, participant, names):
-    node = SubElement(
-        parent,
-        _q("ssd:Component"),
-        {
-            "name": participant.name,
-            "type": "application/x-fmu-sharedlibrary",
-            "source": f"resources/{participant.name}.fmu",
-        },
-    )
-    connectors = SubElement(node, _q("ssd:Connectors"))
+    source = f"resources/{participant.name}.fmu"
+    what = {"name": participant.name, "type": "application/x-fmu-sharedlibrary", "source": source}
+    node = _add(parent, "ssd:Component", **what)
+    connectors = _add(node, "ssd:Connectors")
     for name in sorted(names):
         field = participant.fields[name]
         for index in _indices(participant, field.shape):
@@ -294,10 +287,10 @@ def _component(parent, participant, names):
 
 def _connector(parent, participant, field, shown):
     """Add a connector for a field, or for a scalar of it."""
-    node = SubElement(parent, _q("ssd:Connector"), {"name": shown, "kind": field.causality})
-    SubElement(node, _q(f"ssc:{_type(participant, field)}"), _unit(field))
+    node = _add(parent, "ssd:Connector", name=shown, kind=field.causality)
+    _add(node, f"ssc:{_type(participant, field)}", **_unit(field))
     for size in field.shape if _has_arrays(participant) else ():
-        SubElement(node, _q("ssc:Dimension"), {"size": str(size)})
+        _add(node, "ssc:Dimension", size=str(size))
 
 
 def _parameters(name, values, participant, version):
@@ -306,11 +299,11 @@ def _parameters(name, values, participant, version):
     `values` are (field, value) by name, with the types of the participant's FMU.
     """
     root = Element(_q("ssv:ParameterSet"), {"version": version, "name": name})
-    parameters = SubElement(root, _q("ssv:Parameters"))
+    parameters = _add(root, "ssv:Parameters")
     for shown, (field, value) in values.items():
-        node = SubElement(parameters, _q("ssv:Parameter"), {"name": shown})
-        said = _item(field, value) if field.choices else str(value)
-        SubElement(node, _q(f"ssv:{_type(participant, field)}"), {"value": said, **_unit(field)})
+        node = _add(parameters, "ssv:Parameter", name=shown)
+        text = _item(field, value) if field.choices else str(value)
+        _add(node, f"ssv:{_type(participant, field)}", value=text, **_unit(field))
     _units(root, "ssv", {node.get("unit") for node in root.iter()})
     return root
 
