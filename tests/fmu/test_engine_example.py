@@ -7,6 +7,7 @@ import pytest
 
 from piston_cosim.master.case.reading import find_case, read_tree
 
+from ..command import call
 from .runs import coarse, module_of, run_tree
 
 HOME = find_case("numerical_example").parents[1] / "engine"
@@ -15,7 +16,16 @@ STEPS = 40
 
 @pytest.fixture(scope="module")
 def package(tmp_path_factory):
-    return module_of(HOME / "make.py").make(tmp_path_factory.mktemp("engine"), coarse())
+    folder = tmp_path_factory.mktemp("engine")
+    small = [word for key, value in coarse() for word in ("--set", f"{key}={value}")]
+    piston, ssp = folder / "piston.fmu", folder / "engine.ssp"
+    for words in (
+        ("numerical_example", *small, "--output", piston),
+        (HOME / "system.toml", "--set", f"participants.piston.fmu={piston}", "--output", ssp),
+    ):
+        done = call("fmu", "export", *words)
+        assert done.returncode == 0, done.stderr
+    return ssp
 
 
 def test_explicit_and_iterated_runs_differ_by_the_delay_of_a_step(package, tmp_path):
