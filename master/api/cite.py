@@ -30,7 +30,6 @@ CHOICES = {
     "characteristic_constraint_modes": ("Castanier2001",),
     "aitken": ("Kuettler2008",),
     "iqn_ils": ("Degroote2009",),
-    "iqn_imvj": ("Lindner2015",),
     "iqn_ageing": ("Haelterman2016",),
 }
 """References of a choice whose name does not contain author and year."""

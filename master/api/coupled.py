@@ -46,7 +46,7 @@ def couple(
     stop, step : str
         Stop time and macro step, "1 s", "1 ms".
     method : str
-        newton, iqn_ils, iqn_imvj, iqn_ageing, aitken, constant, or explicit.
+        newton, iqn_ils, iqn_ageing, aitken, constant, or explicit.
     order : sequence of str, optional
         Stepping order of the participants. Default: that of the mapping. Wires against this order
         are the unknowns.

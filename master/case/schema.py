@@ -194,7 +194,7 @@ class Advanced(Table):
     """Use Newton with finite differences in a macro step without secants, or if the secants fail.
     """
     windows: int = Field(3, ge=0)
-    """Number of macro steps whose secants iqn_ils and iqn_imvj use."""
+    """Number of macro steps whose secants iqn_ils uses."""
     filter_limit: float = Field(1e-2, gt=0, lt=1)
     """Relative size of what is new in a secant below which it is dropped."""
     differences: Flag = False
@@ -207,10 +207,10 @@ class Coupling(Table):
     """Iteration of a macro step to its fixed point."""
 
     method: str = "newton"
-    """Coupling method: newton, iqn_ils, iqn_imvj, iqn_ageing, aitken, constant, explicit, or a
-    method of another installed package. `newton` uses directional derivatives and GMRES, the iqn
-    methods use secants, and `explicit` does not iterate. Each loop of wires is iterated separately.
-    A loop is not iterated if one of its FMUs cannot save its state.
+    """Coupling method: newton, iqn_ils, iqn_ageing, aitken, constant, explicit, or a method of
+    another installed package. `newton` uses directional derivatives and GMRES, the iqn methods use
+    secants, and `explicit` does not iterate. Each loop of wires is iterated separately. A loop is
+    not iterated if one of its FMUs cannot save its state.
     """
     step_control: str | None = None
     """Step control of another installed package (participants/plugins.py)."""

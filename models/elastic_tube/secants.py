@@ -1,89 +1,27 @@
-"""Two coupling methods as a plug-in: quasi-Newton by other secants.
+"""A coupling method as a plug-in: quasi-Newton by secants that age.
 
-The entry points `iqn_imvj` and `iqn_ageing` of the group `piston_cosim.methods`, in pyproject.toml,
-name the functions below. Your own package adds a method in the same way. The memory of a method is
-plain data, so that checkpoints hold it.
+The entry point `iqn_ageing` of the group `piston_cosim.methods`, in pyproject.toml, names the
+function below. Your own package adds a method in the same way. The memory of a method is plain
+data, so that checkpoints hold it.
 """
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from piston_cosim.master.coupling.methods import QuasiNewton
-from piston_cosim.master.coupling.methods.filtering import filtered
-from piston_cosim.master.coupling.methods.secants import PairMemory
-
-
-def iqn_imvj(coupling: Any) -> QuasiNewton:
-    """Return the method IQN-IMVJ of a coupling table."""
-    advanced = coupling.advanced
-    return _method(MultiVector(advanced.windows, advanced.filter_limit), coupling)
 
 
 def iqn_ageing(coupling: Any) -> QuasiNewton:
     """Return the method of ageing secants of a coupling table."""
-    return _method(Ageing(), coupling)
-
-
-def _method(secants: Any, coupling: Any) -> QuasiNewton:
-    """Return the method with these secants; a checkpoint holds the classes of its memory."""
     return QuasiNewton(
-        secants,
+        Ageing(),
         coupling.relaxation,
         coupling.max_iterations,
         coupling.advanced.probing,
-        remembered=(MultiVector, Decomposed, Ageing, Rings),
+        remembered=(Ageing, Rings),
     )
-
-
-class Decomposed(NamedTuple):
-    """The pairs of a macro step: residual changes V = Q R, and their changes X, a column each."""
-
-    q: np.ndarray
-    triangle: np.ndarray
-    changes: np.ndarray
-
-
-@dataclass
-class MultiVector(PairMemory):
-    """IQN-IMVJ: each macro step's pairs correct the inverse Jacobian of the steps before it.
-
-    Eq. (Q5):  B_n = B_{n-1} + (X_n - B_{n-1} V_n) V_n^+,   B_0 = -m I,   dx = -B_n r
-
-    B is never formed: its steps act one after the other, newest first, each on what the newer ones
-    left of r. Steps older than `windows` are forgotten. Of a step's pairs, dependent ones are
-    dropped as in `LeastSquares` by `limit`. past holds `Decomposed`.
-
-    References
-    ----------
-    [Lindner2015] F. Lindner, M. Mehl, K. Scheufele, B. Uekermann, Proc. Coupled Problems VI,
-    649-660.
-    """
-
-    windows: int = 50
-    limit: float = 1e-3
-
-    def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the answer to the residual r and the unexplained rest."""
-        change = np.zeros_like(r)
-        rest = r.copy()
-        for q, triangle, changes in [*self._decomposed(), *self.past]:
-            share = q.T @ rest  # Eq. (Q5)
-            change -= changes @ np.linalg.solve(triangle, share)
-            rest -= q @ share
-        return change, rest
-
-    def _decomposed(self) -> list[Decomposed]:
-        columns = [pair.residual_change for pair in self.now]
-        chosen, q, triangle = filtered(columns, self.limit)
-        if not chosen:
-            return []
-        return [Decomposed(q, triangle, np.array([self.now[k].change for k in chosen]).T)]
-
-    def close(self) -> None:
-        self.past = [*self._decomposed(), *self.past][: self.windows]
-        self.now = []
 
 
 @dataclass

@@ -53,7 +53,7 @@ def resumed(path):
     return done.returncode, done.stderr
 
 
-@pytest.mark.parametrize("method", ["newton", "iqn_ils", "iqn_imvj", "iqn_ageing", "aitken"])
+@pytest.mark.parametrize("method", ["newton", "iqn_ils", "iqn_ageing", "aitken"])
 def test_resumed_the_bits_are_the_same(folder, method):
     whole, summary = interrupted(folder, np.inf, method, stop="3 s")
     output, _ = interrupted(folder, 1.55, method, stop="3 s")

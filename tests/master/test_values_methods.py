@@ -26,7 +26,7 @@ from piston_cosim.master.coupling.methods.krylov import Goal, RecycledGmres
 from piston_cosim.master.coupling.stepping import StepFailed, Stepper
 from piston_cosim.master.coupling.vector import macro_step_end, step_length
 from piston_cosim.master.coupling.wiring import is_unknown
-from piston_cosim.models.elastic_tube.secants import Ageing, MultiVector
+from piston_cosim.models.elastic_tube.secants import Ageing
 
 A = ((-1.0, 0.0), (0.0, 0.0))
 B = np.array([2.0, 1.0])
@@ -98,9 +98,7 @@ def test_aitken_begins_every_macro_step_with_the_case_s_factor(affine):
         # in r_0 and r_1, added: 0.8 + 0.64 and 0.2 + 0.36; c = (1/1.44 + 3/16/0.56) / (1/1.44 +
         # 1/16/0.56) = 83/65; x_2 = (3/2 - c/2, 1)
         (LeastSquares(), (18 / 65, 0.0)),
-        # Eq. (C5) knows no scaling of wires: c = (1 + 3/16) / (1 + 1/16) = 19/17
-        (MultiVector(), (2 / 17, 0.0)),
-        # Eq. (C6) within one step: the same, divided by 1 + n
+        # Eq. (C6) knows no scaling of wires: (1 + 3/16) / (1 + 1/16) = 19/17, divided by 1 + n
         (Ageing(), (1 - 19 / 17 / (1 + 1e-6), 0.0)),
         (Ageing(noise=0.25), (1 - 19 / 17 / 1.25, 0.0)),
     ],
@@ -112,10 +110,10 @@ def test_secant_updates_by_hand(affine, secants, third):
 
 
 def test_secants_are_scaled_by_nominals_before_the_wires_shares(affine):
-    # nominals 1 and 1/2: r_1 = (1, 3/2), dr = (-1, -1/2); MultiVector: c = 1.75 / 1.25 = 1.4,
+    # nominals 1 and 1/2: r_1 = (1, 3/2), dr = (-1, -1/2); c = 1.75 / 1.25 = 1.4,
     # x_2 = (3/2 - c/2, 1) in SI, for both residuals of the second wire scale alike
     system = affine(A, lambda t: B, FINE, nominal=(1.0, 0.5))
-    history = residuals(system, QuasiNewton(MultiVector(), 0.25))
+    history = residuals(system, QuasiNewton(Ageing(noise=0.0), 0.25))
     assert history[2] == pytest.approx([0.4, 0.0], rel=1e-9, abs=FINE * ROUND_OFF)
 
 
@@ -133,10 +131,6 @@ def loads(t):
         (LeastSquares(windows=0), [4, 4, 4]),
         (LeastSquares(windows=1), [4, 2, 3]),
         (LeastSquares(windows=2), [4, 2, 2]),
-        (MultiVector(windows=0), [4, 4, 4]),
-        # its old pair acts only on what the step's own pair leaves: an evaluation more
-        (MultiVector(windows=1), [4, 2, 4]),
-        (MultiVector(windows=2), [4, 2, 2]),
         (Ageing(noise=1e-12, drift=0.0), [4, 2, 2]),
     ],
 )

@@ -3,12 +3,12 @@
 A secant pair is a change of the unknowns (the feedback wires) and the change of their residual that
 came with it, both in nominals, newest first. A way is a memory of pairs: it collects them by
 `learn`, returns the answer to a residual by `update`, and accepts the macro step by `close`.
-Memories are plain data, which a checkpoint holds; see `coupling.freezing`. Two more ways are a
+Memories are plain data, which a checkpoint holds; see `coupling.freezing`. One more way is a
 plug-in, models/elastic_tube/secants.py.
 """
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -43,32 +43,7 @@ class Pair(NamedTuple):
 
 
 @dataclass
-class PairMemory:
-    """Memory of pairs by macro step.
-
-    windows : accepted macro steps whose pairs are used again; limit : of the filter; now, past : of
-    the running and of accepted macro steps.
-    """
-
-    windows: int
-    limit: float
-    now: list[Pair] = field(default_factory=list[Pair])
-    past: list[Any] = field(default_factory=list[Any])
-
-    @property
-    def empty(self) -> bool:
-        return not (self.now or self.past)
-
-    def begin(self) -> None:
-        """Begin an attempt at a macro step."""
-        self.now = []
-
-    def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
-        self.now.insert(0, Pair(residual_change, change))
-
-
-@dataclass
-class LeastSquares(PairMemory):
+class LeastSquares:
     """IQN-ILS: all pairs in one least-squares problem, dependent ones dropped by a filter.
 
     Eq. (Q4):  dx = X c + m (r + V c),   c = argmin |V c + r|,   V = [dr_1, ..],  X = [dx_1, ..]
@@ -76,7 +51,8 @@ class LeastSquares(PairMemory):
     It runs in residual-sum scaling: nominals first, then each wire divided by its share of the
     residuals seen in this macro step, so that no field drowns another.
 
-    past holds lists of pairs; shares : residuals seen by wire.
+    windows : accepted macro steps whose pairs are used again; limit : of the filter; now, past :
+    pairs of the running macro step and of accepted ones; shares : residuals seen by wire.
 
     References
     ----------
@@ -86,12 +62,21 @@ class LeastSquares(PairMemory):
 
     windows: int = 3
     limit: float = 1e-2
+    now: list[Pair] = field(default_factory=list[Pair])
+    past: list[list[Pair]] = field(default_factory=list[list[Pair]])
     shares: np.ndarray | None = None
+
+    @property
+    def empty(self) -> bool:
+        return not (self.now or self.past)
 
     def begin(self) -> None:
         """Begin an attempt at a macro step."""
-        super().begin()
+        self.now = []
         self.shares = None
+
+    def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
+        self.now.insert(0, Pair(residual_change, change))
 
     def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
         """Return the answer to the residual r and the unexplained rest: (X c, r + V c)."""
