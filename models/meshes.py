@@ -471,19 +471,3 @@ def make(path: Path, shape: Shape, size: float, curvature: int) -> None:
     for axis in (0, 2):
         points, tets = mirror(points, tets, axis)
     write(path, points, tets, shape.sets(points))
-
-
-@dataclass(frozen=True)
-class Fineness:
-    """Largest edge of an element [mm], and minimum number of elements around a full circle."""
-
-    size: float
-    curvature: int
-
-
-def make_both(
-    folder: Path, piston: Piston, of_piston: Fineness, block: Block, of_block: Fineness
-) -> None:
-    """Write the meshes piston.msh.xz and block.msh.xz of a case into its folder."""
-    make(folder / "piston.msh.xz", piston, of_piston.size, of_piston.curvature)
-    make(folder / "block.msh.xz", block, of_block.size, of_block.curvature)

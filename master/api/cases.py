@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from ..case import changes as changes_of
 from ..case.checked import check_case
 from ..case.contract import swap_all
-from ..case.reading import find_case, read_tree
+from ..case.reading import find_case, name_of_case, read_tree
 from ..case.system import open_system
 from ..fmi.errors import BadInput, for_all, unknown
 from ..participants.participant import Participant
@@ -93,7 +93,7 @@ class Case:
     @property
     def name(self) -> str:
         """Name of the case: its folder, or its file if that is not case.toml."""
-        return self.path.parent.name if self.path.name == "case.toml" else self.path.stem
+        return name_of_case(self.path)
 
     @property
     def variants(self) -> tuple[str, ...]:

@@ -34,6 +34,11 @@ def find_case(name: str, folder: Path = Path()) -> Path:
     )
 
 
+def name_of_case(path: Path) -> str:
+    """Return the name of a case: its folder, or its file if that is not case.toml."""
+    return path.parent.name if path.name == "case.toml" else path.stem
+
+
 def read_tree(path: Path, changes: Iterable[tuple[str, Any]] = ()) -> dict[str, Any]:
     """Return the TOML tree of a case or SSP with `changes` (pairs of dotted key and value).
 

@@ -14,7 +14,7 @@ from rich.table import Table
 from ..case.changes import value_at
 from ..case.checked import check_case
 from ..case.contract import players
-from ..case.reading import case_names, find_case, read_tree
+from ..case.reading import case_names, find_case, name_of_case, read_tree
 from ..fmi.errors import BadInput, for_all, unknown
 from ..fmi.tree import import_part
 from ..runs.working import working
@@ -101,7 +101,7 @@ def native_platforms(platform, native):
 
 def default_folder(path):
     """Return the default folder for the results of a case file."""
-    return Path("results") / (path.parent.name if path.name == "case.toml" else path.stem)
+    return Path("results") / name_of_case(path)
 
 
 def variant_trees(path, changes, only, say=lambda text: None):

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from ..case.reading import find_case
+from ..case.reading import find_case, name_of_case
 from ..fmi.quantities import numbers_text
 from ..results.words import entry_shown
 from ..runs import studies
@@ -59,7 +59,7 @@ def command(
     """
     path = find_case(case)
     checked, chosen, points = studies.study_points(path, parse_changes(set_), name)
-    folder = output or Path("results") / f"study_{path.parent.name}_{name}"
+    folder = output or Path("results") / f"study_{name_of_case(path)}_{name}"
     sweeps.build_all(sweeps.unfinished(points, folder), path.parent, say)
 
     def watch(row, done, total):

@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..case.checked import check_case
-from ..case.reading import find_case, read_tree
+from ..case.reading import find_case, name_of_case, read_tree
 from ..engine.measures import directions
 from ..fmi.errors import BadInput, for_all
 from ..fmi.quantities import duration
@@ -102,11 +102,7 @@ def command(
     points = sweeps.all_points(path, changes, axes)
     if uncertainty:
         warn_of_estimates({"first point": points[0].tree}, path.parent)
-    folder = Path(
-        output
-        or Path("results") / f"sweep_{path.parent.name if path.name == 'case.toml' else path.stem}"
-    )
-    folder = folder.absolute()
+    folder = (output or Path("results") / f"sweep_{name_of_case(path)}").absolute()
     table = sweeps.table_for(folder, points)
     if table.stem != "sweep":
         say(f"{folder}: holds the table of another sweep; this one's is {table.name}")

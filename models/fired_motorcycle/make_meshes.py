@@ -7,7 +7,7 @@ python -m piston_cosim.models.fired_motorcycle.make_meshes
 
 from pathlib import Path
 
-from ..meshes import Block, Fineness, Piston, make_both
+from ..meshes import Block, Piston, make
 
 PISTON = Piston(
     skirt_radius=36.475,
@@ -42,4 +42,5 @@ BLOCK = Block(
 )
 
 if __name__ == "__main__":
-    make_both(Path(__file__).parent, PISTON, Fineness(4.6, 12), BLOCK, Fineness(12.0, 10))
+    make(Path(__file__).with_name("piston.msh.xz"), PISTON, 4.6, 12)
+    make(Path(__file__).with_name("block.msh.xz"), BLOCK, 12.0, 10)

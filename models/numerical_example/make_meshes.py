@@ -7,7 +7,7 @@ python -m piston_cosim.models.numerical_example.make_meshes
 
 from pathlib import Path
 
-from ..meshes import Block, Fineness, Piston, make_both
+from ..meshes import Block, Piston, make
 
 PISTON = Piston(
     skirt_radius=28.225,  # 25 um nominal radial clearance
@@ -42,4 +42,5 @@ BLOCK = Block(
 )
 
 if __name__ == "__main__":
-    make_both(Path(__file__).parent, PISTON, Fineness(3.9, 12), BLOCK, Fineness(9.0, 10))
+    make(Path(__file__).with_name("piston.msh.xz"), PISTON, 3.9, 12)
+    make(Path(__file__).with_name("block.msh.xz"), BLOCK, 9.0, 10)
