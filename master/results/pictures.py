@@ -2,7 +2,6 @@
 
 import textwrap
 from dataclasses import dataclass
-from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,7 @@ from matplotlib.patheffects import withStroke
 from ..case.shown import ENVELOPE
 from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
-from .charts import DASHES, Chart, line_charts
+from .charts import DASHES, Chart, Curve, line_charts
 from .coordinates import CRANK_ANGLE
 from .figures import (
     COLOURS,
@@ -151,10 +150,11 @@ def draw_lines(case, picture, runs):
 
 
 def draw_chart(panel, chart: Chart):
-    """Draw the curves and bands of a chart."""
+    """Draw the curves and bands of a chart; curves of points have lines as well."""
     for curve in chart.curves:
         colour = PALETTE[curve.run % len(PALETTE)]
-        panel.plot(curve.x, curve.y, LINES[curve.dash], color=colour, lw=1.2, label=curve.name)
+        style = ("." if curve.points else "") + LINES[curve.dash]
+        panel.plot(curve.x, curve.y, style, color=colour, lw=1.2, ms=4, label=curve.name)
     for band in chart.bands:
         panel.axhspan(band.low, band.high, color=WINDOW, alpha=0.16, lw=0, label=band.said)
     for one in chart.extremes:
@@ -409,24 +409,17 @@ def draw_sections(case, picture, runs):
     low, high = axis.range
     begin, end = (low + (high - low) * to_si(text, "rad") / (2 * np.pi) for text in picture.angles)
     for panel, port in zip(panels, picture.fields):
-        unit = ""
-        for colour, (label, results) in zip(cycle(PALETTE), runs.items()):
+        unit, curves = "", []
+        for k, (label, results) in enumerate(runs.items()):
             field = results.field(port, instant(results, picture.time))
             columns = field.values.shape[1]
             line = field.values[:, min(int(picture.height * columns), columns - 1)]
             line, unit = scaled(line, field.unit, picture.units.get(port))
             position = axis.positions(line.size)
             inside = (position >= begin) & (position <= end)
-            panel.plot(
-                position[inside],
-                line[inside],
-                ".-",
-                color=colour,
-                lw=1.2,
-                ms=4,
-                label=f"{label}, {instant_text(results, field.time)}",
-            )
-        panel.set_ylabel(labelled(name_of(port), unit))
+            name = f"{label}, {instant_text(results, field.time)}"
+            curves.append(Curve(name, k, position[inside], line[inside], points=True))
+        draw_chart(panel, Chart("", axis.title, labelled(name_of(port), unit), curves))
         panel.set_xlim(begin, end)
     add_legend(panels[0])
     panels[-1].set_xlabel(axis.title)
