@@ -1,7 +1,7 @@
 """Common parts of all tables of a case file: names of ports and files, no unknown keys."""
 
 import re
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from pydantic import (
     AfterValidator,
@@ -42,6 +42,23 @@ def reduced(text: str) -> Reduced:
     """Return kind and port of a summary entry."""
     kind, _, port = text.strip().partition(" ")
     return Reduced(kind, port.strip())
+
+
+NOT_RESULTS = (
+    *("title", "label", "monitor", "pictures", "axes", "window"),
+    *("studies", "variants", "beside"),
+)
+"""Tables of a case that do not affect the results of a run."""
+
+
+def with_effect(tree: dict[str, Any]) -> dict[str, Any]:
+    """Return the tables of a case's TOML tree that affect the results of a run."""
+    return {key: value for key, value in tree.items() if key not in NOT_RESULTS}
+
+
+def titles(tree: dict[str, Any]) -> set[str | None]:
+    """Return the titles of a case and its variants."""
+    return {one.get("title") for one in (tree, *tree.get("variants", {}).values())}
 
 
 class Table(BaseModel):

@@ -15,6 +15,7 @@ from ..case.changes import value_at
 from ..case.checked import check_case
 from ..case.contract import players
 from ..case.reading import case_names, find_case, name_of_case, read_tree
+from ..case.tables import titles
 from ..fmi.errors import BadInput, for_all, unknown
 from ..fmi.tree import import_part
 from ..runs.working import working
@@ -240,12 +241,7 @@ def case_folder(results, case=None) -> Path:
     except BadInput:
         alike = (find_case(name) for name in case_names())
         title = results.case.get("title")
-        return next((path.parent for path in alike if title in _titles(read_tree(path))), own)
-
-
-def _titles(tree):
-    """Return the titles of a case and its variants."""
-    return [one.get("title") for one in (tree, *tree.get("variants", {}).values())]
+        return next((path.parent for path in alike if title in titles(read_tree(path))), own)
 
 
 def print_answers(answers, verbose=False):

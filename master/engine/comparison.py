@@ -14,6 +14,7 @@ from math import hypot, isclose
 from pathlib import PurePath
 from typing import Any, NamedTuple
 
+from ..case.tables import titles, with_effect
 from ..fmi.quantities import are_compatible, numbers_text, quantity
 from .measures import LEAST_SHARE, Measure, Measures, unknown_in_words
 from .uncertainty import DIVERGES, display_unit
@@ -36,8 +37,6 @@ BETTER = {
 """Key of a compared measure -> sign of a change that improves a design, 0 for neither."""
 MAIN = ("minimum_film_thickness_m", "maximum_pressure_pa", "mean_friction_power_w", "slap_energy_j")
 """Keys of the measures that a headline compares, the worst ones of all participants."""
-NOT_RESULTS = ("title", "label", "monitor", "pictures", "axes", "window", "studies", "variants")
-"""Tables of a case that do not affect its results."""
 MOST_NAMED = 3
 """Largest number of differences that a headline names."""
 MOST_WORDS = 25
@@ -110,7 +109,7 @@ def compared(
     zero = [row.label for row in rows if row.is_zero]
     rows = [row for row in rows if not row.is_zero]
     remarks = [f"Zero in both runs: {', '.join(zero)}."] if zero else []
-    if not _titles(trees[0]) & _titles(trees[1]):
+    if titles(trees[0]).isdisjoint(titles(trees[1])):
         remarks.append("The runs are of cases with different titles, whose other keys may differ.")
     remarks += unknown_in_words([one for row in rows for one in (row.first, row.second)])
     worst = [[table.worst(key) for key in MAIN] for table in tables]
@@ -194,21 +193,13 @@ def differing(one: dict[str, Any], other: dict[str, Any], names: Sequence[str]) 
     labels = [tree.get("label", "base") for tree in (one, other)]
     if labels[0] != labels[1] or {*names[:2]} <= {labels[0], *one.get("variants", {})}:
         return names[0], names[1]
-    pair = [
-        leaves({key: value for key, value in tree.items() if key not in NOT_RESULTS})
-        for tree in (one, other)
-    ]
+    pair = [leaves(with_effect(tree)) for tree in (one, other)]
     keys = [key for key in {**pair[0], **pair[1]} if not _equal(*(one.get(key) for one in pair))]
     parts = _parts(keys, pair)
     if not 0 < len(parts) <= MOST_NAMED:
         return names[0], names[1]
     first, second = (" and ".join(each[k] for each in parts) for k in (0, 1))
     return first, second
-
-
-def _titles(tree):
-    """Return the titles of a case and its variants."""
-    return {one.get("title") for one in (tree, *tree.get("variants", {}).values())}
 
 
 def _equal(one, other):

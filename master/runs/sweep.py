@@ -21,25 +21,13 @@ from ..case.changes import whole_key
 from ..case.checked import check_case
 from ..case.given import build_options
 from ..case.reading import read_tree
+from ..case.tables import with_effect
 from ..fmi.builder import build_fmu
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, Stopped, for_all
 from ..fmi.quantities import are_compatible, one_micro, quantity
 from .lock import sole_writer
 from .recorder import writing
-
-SHOWN = (
-    "title",
-    "label",
-    "monitor",
-    "pictures",
-    "axes",
-    "window",
-    "studies",
-    "variants",
-    "beside",
-)
-"""Tables of a case that do not affect the results of a run."""
 
 
 @dataclass(frozen=True)
@@ -115,8 +103,8 @@ class Point:
 
     @property
     def name(self):
-        bearing = {key: value for key, value in self.tree.items() if key not in SHOWN}
-        return hashlib.sha256(json.dumps(bearing, sort_keys=True).encode()).hexdigest()[:16]
+        text = json.dumps(with_effect(self.tree), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def all_points(path, changes, axes):
