@@ -39,12 +39,14 @@ ON_BORE = 1e-2
 """Largest distance of the corners of the bore's faces from it, relative to its radius."""
 EVEN = 1e-2
 """Tolerance of a whole number of intervals, relative to an interval."""
+NEAR = 1e-6
+"""Relative tolerance of the length of a period."""
 FEWEST = 8
-"""Minimum number of even instants per cycle."""
+"""Minimum number of even instants per period."""
 
 
 class Spectrum(NamedTuple):
-    """Radiated power of the last cycle by side [W].
+    """Radiated power of the last period by side [W].
 
     power : over the crank angle [rad]; mean : at each frequency [Hz], with the mean power as sum.
     """
@@ -78,7 +80,7 @@ def radiation(block: ReducedBlock, anatomy: Anatomy) -> dict[str, np.ndarray]:
 
 
 def spectrum(results: Results, owner: str, products: dict[str, np.ndarray]) -> Spectrum:
-    """Return the power that the last modes of the recorded ones radiate in the last cycle.
+    """Return the power that the last modes of the recorded ones radiate in the last period.
 
     A cubic spline interpolates their velocities at equidistant instants, with the largest recorded
     interval.
@@ -92,18 +94,19 @@ def spectrum(results: Results, owner: str, products: dict[str, np.ndarray]) -> S
             f"{results.path}: expected a crank angle and {owner}.modal_velocity, got none; set "
             "record.fields and record.every = '1 deg'"
         )
-    instants = results.instants
-    angle = np.interp(instants, *crank)
-    first = begin_of_cycle(results.path, angle)
-    length = instants[-1] - instants[first]
-    n = int(length / np.diff(instants[first:]).max() + EVEN)
+    period = results.last
+    instants = period.instants
+    length = np.ptp(instants)
+    if not period.period or length < (1.0 - NEAR) * period.period:
+        raise BadInput(f"{results.path}: expected a period with recorded ends, got {length:.4g} s")
+    n = int(length / np.diff(instants).max() + EVEN)
     if n < FEWEST:
-        raise BadInput(f"{results.path}: expected {FEWEST} even instants in a cycle, got {n}")
-    # the first instant is the last one of the previous cycle
-    time = instants[first] + length / n * np.arange(1.0, n + 1.0)
+        raise BadInput(f"{results.path}: expected {FEWEST} even instants in a period, got {n}")
+    # the first instant is the last one of the previous period
+    time = instants[0] + length / n * np.arange(1.0, n + 1.0)
     modes = len(next(iter(products.values())))
-    velocity = results.dataset(f"{owner}.modal_velocity")[first:][:, -modes:]
-    velocity = make_interp_spline(instants[first:], velocity)(time)
+    velocity = period.dataset(f"{owner}.modal_velocity")[:][:, -modes:]
+    velocity = make_interp_spline(instants, velocity)(time)
     transformed = np.fft.rfft(velocity, axis=0)
     twice = np.full(len(transformed), 2.0)
     twice[0] = 1.0
@@ -115,17 +118,6 @@ def spectrum(results: Results, owner: str, products: dict[str, np.ndarray]) -> S
         square = np.einsum("mk,kl,ml->m", transformed.conj(), product, transformed).real
         mean[side] = AIR * twice * square / n**2  # Eq. (W3)
     return Spectrum(np.interp(time, *crank), power, np.arange(len(transformed)) / length, mean)
-
-
-def begin_of_cycle(path, angle: np.ndarray) -> int:
-    """Return the index of the instant before the last cycle of 720 deg, else before 360 deg."""
-    last, spacing = angle[-1], angle[-1] - angle[-2]
-    for cycle in np.radians((720.0, 360.0)):
-        first = int(np.abs(angle - last + cycle).argmin())
-        if abs(last - cycle - angle[first]) < EVEN * spacing:
-            return first
-    got = np.degrees(np.ptp(angle))
-    raise BadInput(f"{path}: expected 360 deg from an instant on, got {got:.4g} deg")
 
 
 def level(power):
