@@ -14,15 +14,18 @@ from .values import value_of
 
 
 def open_participant(
-    name, case, build, folder, progress=lambda text: None, native=False, earlier=()
+    name, case, build, folder, progress=lambda text: None, native=False, earlier=(), how=None
 ):
-    """Return a participant of a case; `earlier` are those that are already open."""
+    """Return a participant of a case; `earlier` are those that are already open.
+
+    `how` : see `system.open_system`.
+    """
     table = case.participants[name]
     if table.plugin:
         return made("participants", table.plugin, name, table.build, folder)
     if table.table:
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
-    path = _path_of_fmu(table, build, folder, progress, native)
+    path = _path_of_fmu(table, build, folder, progress, native, how or {})
     elements = case.elements_of(name)
     how = {"step": _own_step(table), "elements": elements, "event_mode": table.event_mode}
     open_with = partial(open_fmu, name, path, **how)
@@ -60,16 +63,16 @@ def _sizes(participant, given):
     return sizes
 
 
-def _path_of_fmu(table, build, folder, progress, native):
+def _path_of_fmu(table, build, folder, progress, native, how):
     """Return the path of a participant's FMU; build it if necessary."""
     if table.package or table.file:
-        return _built(table, build, folder, progress, native)
+        return _built(table, build, folder, progress, native, how)
     if fault := missing_file(table, folder):
         raise BadInput(fault)
     return folder / table.fmu
 
 
-def _built(table, build, folder, progress, native):
+def _built(table, build, folder, progress, native, how):
     """Build the FMU of a package or of a file."""
     from ..fmi.builder import build_fmu, build_fmu_of_file
     from ..fmi.builder_native import build_native_fmu
@@ -79,5 +82,5 @@ def _built(table, build, folder, progress, native):
         here = [name for name in [this_platform()] if name]
         return build_native_fmu(table.package, build, folder, progress, platforms=here)
     if table.package:
-        return build_fmu(table.package, build, folder, progress)
-    return build_fmu_of_file(str(folder / table.file), build, progress)
+        return build_fmu(table.package, build, folder, progress, **how)
+    return build_fmu_of_file(str(folder / table.file), build, progress, how.get("version", "2.0"))

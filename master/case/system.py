@@ -49,10 +49,22 @@ def open_system(
     folder: Path,
     progress: Callable[[str], object],
     own: Mapping[str, Callable[[], Any]] | None = None,
+    how: Mapping[str, Any] | None = None,
 ) -> Any:
     """Build or open every FMU of the case, and check the system before it runs.
 
-    `own` contains constructors of participants that exist only in this process, by name.
+    Parameters
+    ----------
+    case : Case
+    folder : Path
+        Folder of the case.
+    progress : callable
+        Called with messages.
+    own : mapping, optional
+        Constructors of participants that exist only in this process, by name.
+    how : mapping, optional
+        Version of FMI and default experiment of FMUs in Python, as for `builder.build_fmu`.
+        Default: for a run, in machine code where possible.
 
     Raises
     ------
@@ -66,7 +78,7 @@ def open_system(
     finished = open_finished(case, folder, declared, faults, progress, own)
     if faults:
         raise BadInput(faults)
-    native, _ = native_choice(case, folder, declared.parameters)
+    native, _ = (set(), []) if how else native_choice(case, folder, declared.parameters)
     if case.native:
         from ..fmi.builder_native import compile_ahead
 
@@ -77,8 +89,8 @@ def open_system(
     participants, given = {}, case.participants
     for name in given:
         with collecting(faults, f"participants.{name}."):
-            how = builds[name], folder, progress, name in native, [*participants.values()]
-            participants[name] = finished.get(name) or open_participant(name, case, *how)
+            given_to = builds[name], folder, progress, name in native, [*participants.values()]
+            participants[name] = finished.get(name) or open_participant(name, case, *given_to, how)
     if faults:
         raise BadInput(faults)
     halves = half_films(case, folder, declared, builds, faults)
@@ -180,8 +192,8 @@ def open_finished(
         if make is None and (table.package or table.file):
             continue
         with collecting(faults, f"participants.{name}."):
-            how = {}, folder, progress, False, [*opened.values()]
-            opened[name] = make() if make else open_participant(name, case, *how)
+            given_to = {}, folder, progress, False, [*opened.values()]
+            opened[name] = make() if make else open_participant(name, case, *given_to)
             if table.fmu and table.role in contract():
                 faults += [
                     f"participants.{name}.{line}" for line in unable_to_iterate(opened[name])

@@ -14,7 +14,7 @@ from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.case.ssp import SPACE, export_ssp
 from piston_cosim.master.case.system import open_system
-from piston_cosim.master.commands.fmu.export import built
+from piston_cosim.master.commands.fmu.export import open_python
 from piston_cosim.master.fmi.compiler import compiler
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.file import Results
@@ -175,8 +175,7 @@ def arrays(tmp_path_factory):
         pytest.skip("no C compiler")
     path = tmp_path_factory.mktemp("ssp3") / "case.ssp"
     tree = read_tree(PATH, SMALL)
-    case = built(check_case(tree, PATH), PATH.parent, "3.0")
-    export_ssp(tree, open_system(case, PATH.parent, print), path)
+    export_ssp(tree, open_python(check_case(tree, PATH), PATH.parent, "3.0"), path)
     return path
 
 
@@ -204,8 +203,9 @@ def test_arrays_and_scalars_are_not_mixed(tmp_path):
     if not compiler():
         pytest.skip("no C compiler")
     case = check_case(read_tree(PATH, SMALL), PATH)
-    both = built(case, PATH.parent, "3.0").participants
-    mixed = case.model_copy(update={"participants": case.participants | {"ehd": both["ehd"]}})
+    film = str(open_python(case, PATH.parent, "3.0").participants["ehd"].path)
+    table = case.participants["ehd"].model_copy(update={"package": None, "build": {}, "fmu": film})
+    mixed = case.model_copy(update={"participants": case.participants | {"ehd": table}})
     with pytest.raises(BadInput, match="film_thickness: expected one FMI version on") as refusal:
         export_ssp(
             read_tree(PATH, SMALL), open_system(mixed, PATH.parent, print), tmp_path / "mixed.ssp"

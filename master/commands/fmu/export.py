@@ -6,14 +6,10 @@ from cyclopts import Parameter
 
 from ...api.cases import open_case
 from ...api.fmus import compile_code
-from ...case.ahead import ahead, reject_asymmetry
 from ...case.checked import check_case
 from ...case.export import experiment_ahead, export_fmu
-from ...case.given import build_options
 from ...case.ssp import export_ssp
-from ...case.symmetry import half_films
 from ...case.system import open_system
-from ...fmi.builder import build_fmu
 from ...fmi.errors import BadInput
 from ..common import Changes, Only, OutputFile, native_platforms, parse_changes, say, tell
 
@@ -68,7 +64,7 @@ def command(
     if output.suffix == ".ssp":
         if native:
             raise BadInput("--native: expected one FMU, got an SSP")
-        system = open_system(built(checked, path.parent, fmi), path.parent, say)
+        system = open_python(checked, path.parent, fmi)
         export_ssp(tree, system, output)
         own = [name for name, table in checked.participants.items() if table.package]
         made = [system.participants[name].path for name in own]
@@ -80,11 +76,11 @@ def command(
     tell(str(output))
 
 
-def built(case, folder, fmi):
-    """Return the case with FMUs of this FMI version instead of the packages that build them.
+def open_python(case, folder, fmi):
+    """Return the system of a case whose FMUs are built for Python, with this version of FMI.
 
-    Their default experiment is the run of the case. Raises `BadInput` if a participant is neither
-    an FMU nor a package, or if the case demands a symmetry that its films do not have.
+    Their default experiment is the run of the case. Raises `BadInput` if a participant is a table
+    or a plugin.
     """
     others = [
         f"participants.{name}: expected an FMU in an SSP, got a {kind}"
@@ -94,21 +90,5 @@ def built(case, folder, fmi):
     ]
     if others:
         raise BadInput(others)
-    reject_asymmetry(case, folder)
-    usual = experiment_ahead(case, folder)
-    options = build_options(case, folder, say)
-    faults: list[str] = []
-    halves = half_films(case, folder, ahead(case, folder), options, faults)
-    if faults:
-        raise BadInput(faults)
-    fmus = {
-        name: build_fmu(table.package, options[name], folder, say, fmi, experiment=usual)
-        for name, table in case.participants.items()
-        if table.package
-    }
-    tables = dict(case.participants)
-    for name, fmu in fmus.items():
-        given = {**halves.get(name, {}), **tables[name].parameters}
-        changes = {"package": None, "build": {}, "fmu": str(fmu), "parameters": given}
-        tables[name] = tables[name].model_copy(update=changes)
-    return case.model_copy(update={"participants": tables, "symmetric": False})
+    how = {"version": fmi, "experiment": experiment_ahead(case, folder)}
+    return open_system(case.model_copy(update={"native": None}), folder, say, how=how)
