@@ -7,7 +7,7 @@ from ..case.schema import Case
 from ..case.shown import Picture
 from ..fmi.errors import BadInput, names_of, unknown
 from .coordinates import crank_angle_port
-from .pictures import DRAWN, left_out
+from .pictures import DRAWN, figures, left_out
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,11 +41,10 @@ class Plots:
 
         A warning names those that the runs do not have the fields or instants for.
         """
-        omitted = left_out(self._case, self._runs(beside))
-        for file, why in omitted.items():
+        runs = self._runs(beside)
+        for file, why in left_out(self._case, runs).items():
             warn(f"{file} is omitted: {why}", stacklevel=2)
-        drawn = [one for one in self._case.pictures if one.file not in omitted]
-        return {one.file: self._drawn(one, beside) for one in drawn}
+        return {picture.file: figure for picture, figure in figures(self._case, runs)}
 
     def lines(
         self,
@@ -111,10 +110,7 @@ class Plots:
         return {self._results.path.stem: self._results, **(beside or {})}
 
     def _drawn(self, picture: Picture, beside: "dict[str, Recorded] | None") -> "Figure":
-        figure = DRAWN[picture.kind](self._case, picture, self._runs(beside))
-        if picture.title:
-            figure.suptitle(picture.title)
-        return figure
+        return DRAWN[picture.kind](self._case, picture, self._runs(beside))
 
 
 def _picture(kind: str, **given: Any) -> Picture:
