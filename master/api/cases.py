@@ -13,7 +13,7 @@ from ..case.checked import check_case
 from ..case.contract import swap_all
 from ..case.reading import find_case, name_of_case, read_tree
 from ..case.system import open_system
-from ..fmi.errors import BadInput, for_all, unknown
+from ..fmi.errors import BadInput, for_all
 from ..participants.participant import Participant
 from ..results.file import Results
 from ..runs.completed import complete_run
@@ -102,9 +102,7 @@ class Case:
 
     def variant(self, label: str) -> "Case":
         """Return one of the case's variants; raise `BadInput` if the label is unknown."""
-        if label not in self.variants:
-            raise BadInput(f"variant: {unknown('variant', label, self.variants)}")
-        changes = self.tree.get("variants", {}).get(label, {})
+        changes = changes_of.changes_of_variant(self.tree, label, "variant")
         return self.changed({**changes, "label": label, "variants": {}, "beside": []})
 
     def changed(self, changes: Changes) -> "Case":

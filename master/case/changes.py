@@ -9,7 +9,7 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
-from ..fmi.errors import BadInput, near
+from ..fmi.errors import BadInput, near, unknown
 from ..fmi.option_classes import ANY, EACH
 from .ahead import faults_ahead
 from .checked import check_case
@@ -44,6 +44,17 @@ def _other_faults(tree: Tree, folder: Path) -> list[str]:
         return faults_ahead(check_case(tree, folder / "case.toml"), folder)
     except BadInput as error:
         return error.faults
+
+
+def changes_of_variant(tree: Tree, label: str, key: str = "--only") -> Tree:
+    """Return the changes of a variant of a case, none for the case itself: key -> value.
+
+    Raises `BadInput` with the fault of `key` for an unknown label.
+    """
+    known = {tree.get("label", "base"): {}} | tree.get("variants", {})
+    if label not in known:
+        raise BadInput(f"{key}: {unknown('variant', label, known)}")
+    return known[label]
 
 
 def value_at(tree: Tree, key: str, folder: Path) -> Any:

@@ -5,12 +5,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..fmi.errors import BadInput, ParticipantFault, unknown
+from ..fmi.errors import BadInput, ParticipantFault
 from ..fmi.fields import base_of
 from ..fmi.preview import Figure, Preview
 from ..fmi.quantities import short, to_si
 from ..fmi.tree import import_part
 from .ahead import Ahead, ahead, faults_ahead, run_ahead
+from .changes import changes_of_variant
 from .checked import check_case
 from .contract import contract, given_by_others
 from .optional_wires import overrides
@@ -94,7 +95,8 @@ def check(
         If there is no such case or variant, or if it is not TOML.
     """
     path = find_case(str(name))
-    tree = read_tree(path, [*_changes_of(path, variant), *changes])
+    varied = changes_of_variant(read_tree(path), variant) if variant is not None else {}
+    tree = read_tree(path, [*varied.items(), *changes])
     try:
         case = check_case(tree, path)
     except BadInput as error:
@@ -130,15 +132,6 @@ def check(
         if one.unstable and (case.coupling.method == "explicit" or one.component.fixed)
     ]
     return CheckedCase(path, case.title, previews, faults, warnings, remarks, found)
-
-
-def _changes_of(path: Path, variant: str | None) -> list[tuple[str, Any]]:
-    """Return the changes of a variant of a case, none for the case itself."""
-    tree = read_tree(path)
-    known = {tree.get("label", "base"): {}} | tree.get("variants", {})
-    if variant is not None and variant not in known:
-        raise BadInput(f"--only: {unknown('variant', variant, known)}")
-    return [*known[variant].items()] if variant else []
 
 
 def _warnings_on_steps(case: Case, folder: Path) -> list[str]:

@@ -11,12 +11,12 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from ..case.changes import value_at
+from ..case.changes import changes_of_variant, value_at
 from ..case.checked import check_case
 from ..case.contract import players
 from ..case.reading import case_names, find_case, name_of_case, read_tree
 from ..case.tables import titles
-from ..fmi.errors import BadInput, for_all, unknown
+from ..fmi.errors import BadInput, for_all
 from ..fmi.tree import import_part
 from ..runs.working import working
 from .usage import new_file, new_folder, picture_file, positive, whole
@@ -113,13 +113,10 @@ def variant_trees(path, changes, only, say=lambda text: None):
     """
     tree = read_tree(path, changes)
     case = check_case(tree, path)
-    variants = {case.label: {}} | case.variants
-    if only and only not in variants:
-        raise BadInput(f"--only: {unknown('variant', only, variants)}")
-    wanted = (only,) if only else (case.label, *case.beside)
-    chosen = {label: changed for label, changed in variants.items() if label in wanted}
+    beside = (label for label in case.variants if label in case.beside)
     trees = {}
-    for label, changed in chosen.items():
+    for label in [only] if only else [case.label, *beside]:
+        changed = changes_of_variant(tree, label)
         trees[label] = read_tree(path, [*changed.items(), *changes])
         for key, value in changed.items():
             taken = value_at(trees[label], key, path.parent)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from ..case.changes import changes_of_variant
 from ..case.checked import check_case
 from ..case.reading import find_case, name_of_case, read_tree
 from ..engine.measures import directions
@@ -94,7 +95,7 @@ def command(
     tree = read_tree(path, changes)
     if only:
         variant_trees(path, changes, only, say)
-        changes = [*tree.get("variants", {}).get(only, {}).items(), *changes]
+        changes = [*changes_of_variant(tree, only).items(), *changes]
     axes = for_all(lambda text: sweeps.parse_axis(text, tree, path.parent), vary)
     varied = [key for axis in axes for key in axis.keys]
     for key in sorted({one for one in varied if varied.count(one) > 1}):
