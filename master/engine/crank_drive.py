@@ -3,11 +3,10 @@
 import numpy as np
 
 from ..case.contract import players
-from ..fmi.quantities import to_si
 from ..results.file import Results
 from ..results.solids import Solid
-from .places import film_body
-from .surfaces import at_instants, crank_motion
+from .places import film_body, parameter
+from .surfaces import at_instants, crank_motion, pin_offset
 
 AROUND = 40
 """Number of points around a cylinder."""
@@ -34,14 +33,12 @@ def crank_drive(results: Results, body: str, owner: str, motion: np.ndarray) -> 
     motion : ndarray, shape (instants, 3)
         Motion of the piston, see `Solid`.
     """
-    table = results.case["participants"][body]
-    given = table.get("parameters", {})
+    names = "crank_radius", "rod_length", "pin_radius"
+    throw, length, pin = (parameter(results, body, name, "m") for name in names)
     bore = _bore_radius(results, body)
-    if not bore or not {"crank_radius", "rod_length"} <= {*given}:
+    if not (bore and throw and length):
         return []
-    throw, length = (to_si(given[name], "m") for name in ("crank_radius", "rod_length"))
-    r = to_si(given.get("pin_radius", f"{PIN_SHARE * bore} m"), "m")
-    offset = to_si(table.get("build", {}).get("piston", {}).get("pin_offset", "0 m"), "m")
+    r = pin or PIN_SHARE * bore
     rod = [
         _cylinder(1.4 * r, 2 * r, y=length),
         _bar(1.2 * r, length, r),
@@ -55,7 +52,7 @@ def crank_drive(results: Results, body: str, owner: str, motion: np.ndarray) -> 
     turning = crank_motion(results, body, "main_bearing")
     turning[:, 2] = at_instants(results, f"{body}.crank_angle")
     parts = {
-        "pin": ([_cylinder(r, 1.7 * bore, x=offset)], motion),
+        "pin": ([_cylinder(r, 1.7 * bore, x=pin_offset(results, body))], motion),
         "rod": (rod, crank_motion(results, body, "big_end")),
         "crank": (crank, turning),
     }
@@ -64,12 +61,9 @@ def crank_drive(results: Results, body: str, owner: str, motion: np.ndarray) -> 
 
 def _bore_radius(results, body):
     """Return the largest bore radius of the films of a body [m]; 0 if none states it."""
-    films = [
-        results.case["participants"][film].get("parameters", {})
-        for film in players(results.case, "lubrication")
-        if film_body(results, film) in (body, None)
-    ]
-    return max((to_si(film.get("bore_radius", "0 m"), "m") for film in films), default=0.0)
+    films = players(results.case, "lubrication")
+    own = [film for film in films if film_body(results, film) in (body, None)]
+    return max((parameter(results, film, "bore_radius", "m") for film in own), default=0.0)
 
 
 def _solid(name, meshes, motion, owner):

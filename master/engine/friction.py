@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..case.contract import players
-from ..fmi.quantities import to_si
 from ..results.instants import crank_angle
-from .places import film_body
+from .places import film_body, parameter
 
 
 def friction_power(results) -> np.ndarray | None:
@@ -75,11 +74,10 @@ def _cylinder(results, body):
     """Return the cylinder of participant `body`, or None if the run lacks its data."""
     films = players(results.case, "lubrication")
     own = [film for film in films if film_body(results, film) == body] or films
-    given = results.case["participants"][own[0]].get("parameters", {}) if own else {}
+    radius = parameter(results, own[0], "bore_radius", "m") if own else 0.0
     port = f"{body}.piston_position"
-    if port not in results.ports or "bore_radius" not in given:
-        return None
-    return _Cylinder(to_si(given["bore_radius"], "m"), results.series(port).values)
+    known = radius and port in results.ports
+    return _Cylinder(radius, results.series(port).values) if known else None
 
 
 def contact_share(results, film) -> float | None:

@@ -25,11 +25,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..fmi.quantities import to_si
 from ..results.file import Results
 from .impacts import losses
 from .peaks import peak_width
-from .places import film_body, gap_port
+from .places import film_body, gap_port, parameter
 
 NEAR = 1e-6
 """Share of a period by which a row may miss its beginning due to round-off."""
@@ -151,9 +150,9 @@ def resolution(
 
     `cell_of_film` is the cell with the thinnest film. Default: that of the recorded gap.
     """
-    given = results.case["participants"][film].get("parameters", {})
     ports = f"{film}.pressure", gap_port(results, film)
-    if not {*ports} <= {*results.recorded} or "skirt_length" not in given:
+    length = parameter(results, film, "skirt_length", "m")
+    if not length or not {*ports} <= {*results.recorded}:
         return None
     pressure, gap = (results.dataset(port)[:] for port in ports)
     if pressure.shape != gap.shape or not pressure.max() > 0.0:
@@ -180,7 +179,7 @@ def resolution(
         carrying(pressure),
         thinned(sheared(results, film, gap)),
         pressure[0].size,
-        to_si(given["skirt_length"], "m"),
+        length,
         min(peak_width(pressure[instant], cell)) <= NARROW,
     )
 

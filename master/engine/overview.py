@@ -22,6 +22,7 @@ from .comparison import (
     unequal_lengths,
 )
 from .measures import NO_IMPACT, Measure, Measures
+from .places import parameter
 from .uncertainty import DIVERGES, display_unit
 
 MOST_PERCENT = 10.0
@@ -177,9 +178,7 @@ def _margin(results, table, film):
     thinnest = table.of("minimum_film_thickness_m", film)
     if thinnest is None:
         return np.inf
-    given = results.case["participants"][film].get("parameters", {})
-    rough = to_si(given.get("roughness_rms", "0 m"), "m")
-    return thinnest.value / (rough or 1e-6)
+    return thinnest.value / (parameter(results, film, "roughness_rms", "m") or 1e-6)
 
 
 def conditions(results: Results, films: list[str]) -> list[str]:

@@ -1,10 +1,11 @@
-"""Position of the extreme value of a film: side, angle and height."""
+"""Position of the extreme value of a film, and what the case states about a film."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..case.contract import interface
+from ..fmi.quantities import to_si
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,12 @@ def film_surface(results, film) -> str:
     """Return the prefix of that body's surface, "" if the body has only one."""
     other = interface(results.case.get("wires", ()), film, "lubrication")
     return other.surface if other else ""
+
+
+def parameter(results, owner, name: str, unit: str) -> float:
+    """Return a parameter of a participant in the SI `unit`; 0 if the case does not set it."""
+    given = results.case["participants"].get(owner, {}).get("parameters", {})
+    return to_si(given[name], unit) if name in given else 0.0
 
 
 def _extreme_position(case, results, film, port, extreme):

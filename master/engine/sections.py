@@ -16,7 +16,6 @@ import numpy as np
 
 from ..case.contract import players
 from ..case.schema import Case
-from ..fmi.quantities import to_si
 from ..results.charts import (
     DASHES,
     Chart,
@@ -35,7 +34,7 @@ from ..results.words import scaled
 from .crank_drive import crank_drive
 from .friction import friction_pressures
 from .impacts import impacts
-from .places import film_body, film_surface, gap_port
+from .places import film_body, film_surface, gap_port, parameter
 from .stands import stands
 from .surfaces import at_instants
 
@@ -128,15 +127,15 @@ def _orbit(runs, body, surface) -> Orbit | None:
     """Return the orbit of a bearing, or None if the runs lack its displacements or clearance."""
     name = "pin" if surface.startswith("boss") else surface
     ports = [f"{body}.{name}_displacement_{axis}" for axis in "xy"]
-    given = next(iter(runs.values())).case["participants"][body].get("parameters", {})
     key = f"{surface.partition('_')[0] if name == 'pin' else name}_clearance"
-    if key not in given or not all({*ports} <= {*results.ports} for results in runs.values()):
+    clearance = parameter(next(iter(runs.values())), body, key, "m")
+    if not clearance or not all({*ports} <= {*results.ports} for results in runs.values()):
         return None
     paths = [
         tuple(1e6 * results.series(port).values for port in ports) for results in runs.values()
     ]
     at = [_degrees(results) for results in runs.values()]
-    return Orbit(1e6 * to_si(given[key], "m"), at, paths)
+    return Orbit(1e6 * clearance, at, paths)
 
 
 def _of_body(runs, body, skins, body_of) -> list[Section]:
@@ -399,13 +398,13 @@ def _stribeck(runs, body, film) -> list[Drawn]:
     ]
 
     def coefficients(results):
-        given = results.case["participants"][film].get("parameters", {})
-        if not {*ports} <= {*results.ports} or not {"viscosity", "skirt_length"} <= {*given}:
+        viscosity = parameter(results, film, "viscosity", "Pa.s")
+        scale = viscosity * parameter(results, film, "skirt_length", "m")
+        if not scale or not {*ports} <= {*results.ports}:
             return None
         hydrodynamic, contact, thrust, anti, speed = (results.series(port).values for port in ports)
         load = np.abs(thrust) + np.abs(anti)
         carries = load > LEAST_LOAD * load.max()
-        scale = to_si(given["viscosity"], "Pa.s") * to_si(given["skirt_length"], "m")
         # Eq. (X17)
         number = scale * np.abs(speed[carries]) / load[carries]
         return 1e6 * number, np.abs(hydrodynamic + contact)[carries] / load[carries]

@@ -14,13 +14,15 @@ from ..results.fields_export import cylinder_cells, pin_cells, read_block
 from ..results.file import Results
 from ..results.series import Film
 from ..results.solids import Solid, Stand
-from .places import film_body, film_surface, gap_port
+from .places import film_body, film_surface, gap_port, parameter
 
 BOSSES = {"boss_left": -1.0, "boss_right": 1.0}
 """Side of z = 0 of each boss."""
 EYE = "small_end"
 CRANK = ("big_end", "main_bearing")
 """Films about the crank pin and about the crank's axis."""
+SIZES = "bore_radius", "skirt_length"
+"""Parameters of a film that are sizes of its surface."""
 NEAR = 0.02
 """Relative tolerance of the radius for points of a boss's bore."""
 
@@ -35,10 +37,10 @@ def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) 
     """
     found = []
     for name in players(results.case, "lubrication"):
-        given = results.case["participants"][name].get("parameters", {})
+        radius, length = (parameter(results, name, key, "m") for key in SIZES)
         ports = [port for port in results.recorded if results.dataset(port).ndim == 3]
         own = [port for port in ports if port.startswith(f"{name}.")]
-        if not own or "bore_radius" not in given:
+        if not own or not radius:
             continue
         shape = results.dataset(own[0]).shape
         gap = gap_port(results, name)
@@ -46,9 +48,7 @@ def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) 
             own.append(gap)
         owner = film_body(results, name)
         piston = next((s for s in solids if s.film and s.owner in ("", owner)), None)
-        radius = to_si(given["bore_radius"], "m")
-        length = to_si(given.get("skirt_length", "1 m"), "m")
-        placed = _placed(results, name, (shape[1:], radius, length), piston, own[0])
+        placed = _placed(results, name, (shape[1:], radius, length or 1.0), piston, own[0])
         if placed is None:
             say(f"{name}: omitted, because its position is unknown")
             continue
@@ -111,11 +111,10 @@ def crank_motion(results: Results, body: str | None, surface: str) -> np.ndarray
     Eq. (X44):  (x, y) = (o - r sin theta, r cos theta)      big end, which rotates with the rod
                 (x, y) = (o, 0)                              main bearing       o: crank_offset
     """
-    given = results.case["participants"][body]["parameters"]
-    radius = to_si(given["crank_radius"], "m") if surface == "big_end" else 0.0
+    radius = parameter(results, body, "crank_radius", "m") if surface == "big_end" else 0.0
     turn = rod_turn(results, body) if surface == "big_end" else 0.0
     theta = at_instants(results, f"{body}.crank_angle")
-    aside = to_si(given.get("crank_offset", "0 m"), "m") - radius * np.sin(theta)
+    aside = parameter(results, body, "crank_offset", "m") - radius * np.sin(theta)
     # Eq. (X44)
     return np.column_stack([aside, radius * np.cos(theta), turn + 0.0 * theta])
 
@@ -125,14 +124,18 @@ def rod_turn(results: Results, body: str | None) -> np.ndarray:
 
     Eq. (X25):  sin psi = -(e + x_A + r sin theta)/L     e: pin offset minus crank offset
     """
-    table = results.case["participants"][body]
-    given = table["parameters"]
 
     def at(name):
         return at_instants(results, f"{body}.{name}")
 
-    offset = to_si(table.get("build", {}).get("piston", {}).get("pin_offset", "0 m"), "m")
-    offset -= to_si(given.get("crank_offset", "0 m"), "m")
-    radius, length = (to_si(given[name], "m") for name in ("crank_radius", "rod_length"))
+    names = "crank_offset", "crank_radius", "rod_length"
+    crank_offset, radius, length = (parameter(results, body, name, "m") for name in names)
+    offset = pin_offset(results, body) - crank_offset
     aside = offset + at("lateral_displacement") + radius * np.sin(at("crank_angle"))
     return -np.arcsin(aside / length)  # Eq. (X25)
+
+
+def pin_offset(results: Results, body: str | None) -> float:
+    """Return the pin offset of a piston [m], 0 if the case does not state it."""
+    build = results.case["participants"][body].get("build", {})
+    return to_si(build.get("piston", {}).get("pin_offset", "0 m"), "m")

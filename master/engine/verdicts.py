@@ -7,13 +7,13 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from ..case.contract import players
-from ..fmi.quantities import short, to_si
+from ..fmi.quantities import short
 from ..results.file import Results
 from ..results.instants import instant_text
 from .indicator import bdf2_error
 from .measures import Measures
 from .peaks import peak_width, run_length
-from .places import film_body
+from .places import film_body, parameter
 
 LAMBDA_AMBER, LAMBDA_RED = 3.0, 1.0
 """Minimum film thickness over composite roughness: asperities touch below 3 and carry below 1."""
@@ -204,10 +204,9 @@ def _of_truncation(summary):
 
 def _of_film(table, results, name):
     """Yield the checks of film thickness and pressure of a lubrication participant."""
-    given = results.case["participants"][name].get("parameters", {})
     if thinnest := table.of("minimum_film_thickness_m", name):
         film = f"The minimum film thickness is {_located(results, thinnest, 'm')}"
-        rough = to_si(given.get("roughness_rms", "0 m"), "m")
+        rough = parameter(results, name, "roughness_rms", "m")
         if rough > 0.0:
             ratio = thinnest.value / rough
             colour = _colour(-ratio, -LAMBDA_AMBER, -LAMBDA_RED)
