@@ -7,7 +7,7 @@ frequencies of its load, so that each mode follows its force. The work of the fi
 change of the elastic energy.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -24,11 +24,14 @@ from ..reduction.reduced_body import ReducedShell
 
 
 class SupportLoad(NamedTuple):
-    """Force along x and y [N] and moment about +z [N m] of a film on the support of its shell."""
+    """Load of a film on the support of its shell: unit and nominal value."""
 
-    force_x: float
-    force_y: float
-    moment: float
+    force_x: Annotated[float, "N", 1e3]
+    """Force of the film on the support of the shell along x."""
+    force_y: Annotated[float, "N", 1e3]
+    """Force of the film on the support of the shell along y."""
+    moment: Annotated[float, "N.m", 1.0]
+    """Moment of the film on the support of the shell about +z."""
 
 
 class YieldingShell:

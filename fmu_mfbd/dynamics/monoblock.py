@@ -23,9 +23,12 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import scipy.linalg as la
 
+from ..force_elements.element import declared
+from ..mechanism.motion import Increments
 from ..reduction.reduced_body import ReducedMonoblock
+from .bdf2 import BY_ALPHA, STATIC, predicted_of, reach_of
 from .first_steps import FIRST_STEPS, first_steps
-from .generalised_alpha import Coefficients, Motion, coefficients, predict
+from .generalised_alpha import Coefficients, Motion, Prediction, coefficients
 from .motion_in_space import skew
 
 RIGID_MOTIONS = 6
@@ -90,39 +93,33 @@ class BlockState:
 
 
 @dataclass(frozen=True)
-class Mounting:
-    """Parameters of a block.
+class BlockParameters:
+    """Parameters of the block besides the stiffness of its mounts, in SI."""
+
+    damping_time: float = declared("s", 0.0, 0.0, 1.0)
+    """Damping time of the mounts: damping divided by stiffness."""
+    damping_ratio: float = declared("1", 0.02, 0.0, 2.0)
+    """Modal damping ratio of all modes."""
+    quasi_static_frequency: float = declared("Hz", 1e9, 0.0, 1e9)
+    """Frequency above which modes follow their load without inertia."""
+    spectral_radius: float = declared("1", 0.6, 0.0, 1.0)
+    """Spectral radius of the modes' time integrator at infinite frequency."""
+
+
+class StepRule(NamedTuple):
+    """Rule of a step.
 
     Parameters
     ----------
-    stiffness : ndarray, shape (m, 3)
-        Of the mounts along x, y, z [N/m].
-    damping_time : float
-        tau [s]
-    damping_ratio : float
-        zeta of all modes [-].
-    quasi_static_frequency : float
-        Modes above it have no inertia [Hz].
-    spectral_radius : float
-        Of the modes' time integrator at infinite frequency [-].
+    parts : list of (slice, Coefficients)
+        Rigid motion and modes.
+    by : Increments
+    factors : tuple of ndarray
+        LU factors of the equations.
     """
 
-    stiffness: np.ndarray
-    damping_time: float
-    damping_ratio: float
-    quasi_static_frequency: float
-    spectral_radius: float
-
-
-class Rule(NamedTuple):
-    """Step of every coordinate: its effect on the end of the step, and all factors.
-
-    Of coordinates with inertia the unknown is the end acceleration, of the others the position.
-    """
-
-    to_velocity: np.ndarray
-    to_position: np.ndarray
-    to_auxiliary: np.ndarray
+    parts: list[tuple[slice, Coefficients]]
+    by: Increments
     factors: tuple[np.ndarray, np.ndarray]
 
 
@@ -132,16 +129,19 @@ class MountedMonoblock:
     Parameters
     ----------
     body : ReducedMonoblock
-    mounting : Mounting
+    stiffness : ndarray, shape (m, 3)
+        Of the mounts along x, y, z [N/m].
+    p : BlockParameters
     """
 
-    def __init__(self, body: ReducedMonoblock, mounting: Mounting):
+    def __init__(self, body: ReducedMonoblock, stiffness: np.ndarray, p: BlockParameters):
         self.body = body
-        self.spectral_radius = mounting.spectral_radius
-        k = len(body.omega)
-        self.size = RIGID_MOTIONS + k
-        fast = body.omega > 2 * np.pi * mounting.quasi_static_frequency
-        self.static = np.concatenate([np.zeros(RIGID_MOTIONS, dtype=bool), fast])
+        self.spectral_radius = p.spectral_radius
+        self.size = RIGID_MOTIONS + len(body.omega)
+        fast = body.omega > 2 * np.pi * p.quasi_static_frequency
+        self.kinds = np.concatenate(
+            [np.full(RIGID_MOTIONS, BY_ALPHA), np.where(fast, STATIC, BY_ALPHA)]
+        )
         self.mass = la.block_diag(body.rigid_mass, np.diag((~fast).astype(float)))
         levers = np.array(
             [
@@ -150,17 +150,17 @@ class MountedMonoblock:
             ]
         )
         # Eq. (U30)
-        self.mounts = np.einsum("jai,ja,jab->ib", levers, mounting.stiffness, levers)
+        self.mounts = np.einsum("jai,ja,jab->ib", levers, stiffness, levers)
         zeros = np.zeros(RIGID_MOTIONS)
         elastic = np.concatenate([zeros, body.omega**2])
         self.modal_damping = np.concatenate(
-            [zeros, np.where(fast, 0.0, 2 * mounting.damping_ratio * body.omega)]
+            [zeros, np.where(fast, 0.0, 2 * p.damping_ratio * body.omega)]
         )
         self.elastic = elastic
         self.stiffness = np.diag(elastic) + self.mounts
-        self.mount_damping = mounting.damping_time * self.mounts
+        self.mount_damping = p.damping_time * self.mounts
         self.damping = np.diag(self.modal_damping) + self.mount_damping
-        self._rules: dict[tuple[float, bool], Rule] = {}
+        self._rules: dict[tuple[float, bool], StepRule] = {}
 
     def loose(self) -> bool:
         """Return whether the mounts hold only some motions of the rigid block."""
@@ -204,21 +204,21 @@ class MountedMonoblock:
 
     def advance(self, before: BlockState, cylinders: list[Cylinder], step: float) -> BlockState:
         """Take a step [s]; the equations hold at its end, with the forces at its end."""
-        begins = before.steps < FIRST_STEPS
-        rule = self._rule(step, begins)
-        rigid, modal = self._coefficients(step, begins)
-        position, velocity, auxiliary = self._predicted(before, rigid, modal)
+        rule = self._rule(step, before.steps < FIRST_STEPS)
+        end = self._predicted(before, rule)
         force = self.total(cylinders)
-        lack = force - self.damping @ velocity - self.stiffness @ position
+        lack = force - self.damping @ end.velocity - self.stiffness @ end.position
         unknown = la.lu_solve(rule.factors, lack)
-        acceleration = np.where(self.static, 0.0, unknown)
-        auxiliary = auxiliary + rule.to_auxiliary * acceleration
+        acceleration = rule.by.acceleration * unknown
+        auxiliary = end.auxiliary
+        for part, c in rule.parts:
+            auxiliary[part] += c.to_auxiliary * acceleration[part]
         steps = before.steps + 1
         if steps < FIRST_STEPS:
             auxiliary[RIGID_MOTIONS:] = 0.0
         return BlockState(
-            position + rule.to_position * unknown,
-            velocity + rule.to_velocity * unknown,
+            end.position + rule.by.position * unknown,
+            end.velocity + rule.by.velocity * unknown,
             acceleration,
             auxiliary,
             force,
@@ -232,15 +232,10 @@ class MountedMonoblock:
         It is exact, because the equations are linear.
         """
         if not after.steps:
-            nothing = np.zeros(self.size)
-            return self.seen(nothing, nothing, nothing)
-        rule = self._rule(after.step, after.steps <= FIRST_STEPS)
-        unknown = la.lu_solve(rule.factors, self.total(cylinders))
-        return self.seen(
-            rule.to_position * unknown,
-            rule.to_velocity * unknown,
-            np.where(self.static, 0.0, unknown),
-        )
+            return self.seen(*np.zeros((3, self.size)))
+        _, by, factors = self._rule(after.step, after.steps <= FIRST_STEPS)
+        unknown = la.lu_solve(factors, self.total(cylinders))
+        return self.seen(by.position * unknown, by.velocity * unknown, by.acceleration * unknown)
 
     def energies(self, state: BlockState) -> tuple[float, float]:
         """Return kinetic energy, and elastic energy of modes and mounts [J]."""
@@ -258,40 +253,25 @@ class MountedMonoblock:
         stored = sum(self.energies(after)) - sum(self.energies(before))
         return float(work - stored - self.lost(before, after))
 
-    def _coefficients(self, step: float, begins: bool) -> tuple[Coefficients, Coefficients]:
-        """Return the coefficients of rigid motion and modes."""
-        rigid = coefficients(step, TRAPEZOIDAL)
-        return rigid, first_steps(step) if begins else coefficients(step, self.spectral_radius)
+    def _predicted(self, before: BlockState, rule: StepRule) -> Prediction:
+        """Return the end of a step if its unknowns were zero."""
+        motion = np.array([before.position, before.velocity, before.acceleration])
+        auxiliary, none = before.auxiliary.copy(), np.zeros(self.size)
+        ends = [
+            predicted_of(c, Motion(*motion[:, part]), auxiliary[part], none, self.kinds[part])
+            for part, c in rule.parts
+        ]
+        return Prediction(*map(np.concatenate, zip(*ends)))
 
-    def _predicted(self, before: BlockState, rigid: Coefficients, modal: Coefficients):
-        """Return position, velocity and auxiliary acceleration at the end for zero unknowns."""
-        parts = []
-        for c, part in ((rigid, slice(0, RIGID_MOTIONS)), (modal, slice(RIGID_MOTIONS, None))):
-            motion = Motion(
-                before.position[part].copy(),
-                before.velocity[part].copy(),
-                before.acceleration[part].copy(),
-            )
-            parts.append(predict(c, motion, before.auxiliary[part].copy()))
-        position, velocity, auxiliary = (np.concatenate(pair) for pair in zip(*parts))
-        position[self.static] = 0.0
-        velocity[self.static] = -before.position[self.static] / modal.step
-        auxiliary[self.static] = 0.0
-        return position, velocity, auxiliary
-
-    def _rule(self, step: float, begins: bool) -> Rule:
+    def _rule(self, step: float, begins: bool) -> StepRule:
         """Return the cached rule of a step of this length."""
         key = (step, begins)
         if key not in self._rules:
-            rigid, modal = self._coefficients(step, begins)
-            to_velocity, to_position, to_auxiliary = (
-                np.where(
-                    np.arange(self.size) < RIGID_MOTIONS, getattr(rigid, name), getattr(modal, name)
-                )
-                for name in ("to_velocity", "to_position", "to_auxiliary")
-            )
-            to_velocity[self.static] = 1 / step
-            to_position[self.static] = 1.0
-            moved = self.mass + self.damping * to_velocity + self.stiffness * to_position
-            self._rules = {key: Rule(to_velocity, to_position, to_auxiliary, la.lu_factor(moved))}
+            modal = first_steps(step) if begins else coefficients(step, self.spectral_radius)
+            cut = RIGID_MOTIONS
+            parts = [(slice(cut), coefficients(step, TRAPEZOIDAL)), (slice(cut, None), modal)]
+            reaches = [reach_of(c, self.kinds[part]) for part, c in parts]
+            by = Increments(*map(np.concatenate, zip(*reaches)))
+            moved = self.mass + self.damping * by.velocity + self.stiffness * by.position
+            self._rules = {key: StepRule(parts, by, la.lu_factor(moved))}
         return self._rules[key]

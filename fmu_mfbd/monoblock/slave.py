@@ -9,16 +9,16 @@ from ...master.fmi.slave import FieldSlave
 from ...master.fmi.variables import Variable
 from ..dynamics.monoblock import (
     RIGID_MOTIONS,
+    BlockParameters,
     BlockState,
     Cylinder,
     CylinderMotion,
     MountedMonoblock,
-    Mounting,
 )
 from ..dynamics.parameters import taken
 from ..reduction.reduced_body import ReducedMonoblock, load
 from . import variables as table
-from .variables import AXES, BlockParameters, ports
+from .variables import AXES, BlockScalars, ports
 
 
 class Monoblock(FieldSlave):
@@ -49,8 +49,8 @@ class Monoblock(FieldSlave):
         body = load(ReducedMonoblock, self.resources / self.options["file"])
         mounts = range(1, self.options["mounts"] + 1)
         springs = [[values[f"mount_{k}_stiffness_{axis}"] for axis in AXES] for k in mounts]
-        settings = vars(taken(BlockParameters, values))
-        self.model = MountedMonoblock(body, Mounting(np.array(springs), **settings))
+        p = taken(BlockParameters, values)
+        self.model = MountedMonoblock(body, np.array(springs), p)
         if self.model.loose():
             raise BadInput(
                 "mount_1_stiffness_x, ..: expected mounts that hold all six directions or "
@@ -87,18 +87,21 @@ class Monoblock(FieldSlave):
         kinetic, elastic = model.energies(now)
         on_mounts = model.mounts @ now.position + model.mount_damping @ now.velocity
         rate = now.velocity
+        scalars = BlockScalars(
+            kinetic_energy=kinetic,
+            elastic_energy=elastic,
+            mount_power=float(rate @ model.mount_damping @ rate),
+            modal_power=float(rate @ (model.modal_damping * rate)),
+            largest_bore_deflection=max(np.abs(one.bore_deflection).max() for one in seen),
+            power_error=model.energy_error(before, now) / step if step > 0.0 else 0.0,
+        )
         return {
             **_told(seen),
             **_six(("displacement", "rotation"), now.position),
             **_six(("velocity", "rotation_velocity"), now.velocity),
             **_six(("shaking_force", "shaking_moment"), now.force),
             **_six(("mount_force", "mount_moment"), on_mounts),
-            "kinetic_energy": kinetic,
-            "elastic_energy": elastic,
-            "mount_power": float(rate @ model.mount_damping @ rate),
-            "modal_power": float(rate @ (model.modal_damping * rate)),
-            "largest_bore_deflection": max(np.abs(one.bore_deflection).max() for one in seen),
-            "power_error": model.energy_error(before, now) / step if step > 0.0 else 0.0,
+            **scalars._asdict(),
         }
 
 

@@ -1,44 +1,32 @@
 """Variables of the block FMU."""
 
-from dataclasses import dataclass
+from typing import Annotated, NamedTuple
 
 from ...master.fmi.variables import Variable, constant, input_variable, output_variable, parameter
 from ..dynamics.build_options import FilmGrid
-from ..dynamics.monoblock import Cylinder, CylinderMotion
-from ..force_elements.element import declared as _declared
+from ..dynamics.monoblock import BlockParameters, Cylinder, CylinderMotion
 from ..variables import declared, declared_parameters
 
 AXES = ("x", "y", "z")
 
 
-@dataclass(frozen=True)
-class BlockParameters:
-    """Parameters of the block besides the stiffness of its mounts, in SI."""
+class BlockScalars(NamedTuple):
+    """Scalar outputs of the block: unit and nominal value."""
 
-    damping_time: float = _declared("s", 0.0, 0.0, 1.0)
-    """Damping time of the mounts: damping divided by stiffness."""
-    damping_ratio: float = _declared("1", 0.02, 0.0, 2.0)
-    """Modal damping ratio of all modes."""
-    quasi_static_frequency: float = _declared("Hz", 1e9, 0.0, 1e9)
-    """Frequency above which modes follow their load without inertia."""
-    spectral_radius: float = _declared("1", 0.6, 0.0, 1.0)
-    """Spectral radius of the modes' time integrator at infinite frequency."""
+    kinetic_energy: Annotated[float, "J", 1e-3]
+    """Kinetic energy of the block, including its modes."""
+    elastic_energy: Annotated[float, "J", 1e-3]
+    """Elastic energy of modes and mounts."""
+    mount_power: Annotated[float, "W", 1.0]
+    """Power dissipated by the mounts."""
+    modal_power: Annotated[float, "W", 1.0]
+    """Power dissipated by the modes."""
+    largest_bore_deflection: Annotated[float, "m", 1e-5]
+    """Largest deflection on the grids of all bores."""
+    power_error: Annotated[float, "W", 1.0]
+    """Power of all forces minus that stored and lost, mean over the step."""
 
 
-SCALARS = (
-    ("kinetic_energy", "J", "Kinetic energy of the block, including its modes", 1e-3),
-    ("elastic_energy", "J", "Elastic energy of modes and mounts", 1e-3),
-    ("mount_power", "W", "Power dissipated by the mounts", 1.0),
-    ("modal_power", "W", "Power dissipated by the modes", 1.0),
-    ("largest_bore_deflection", "m", "Largest deflection on the grids of all bores", 1e-5),
-    (
-        "power_error",
-        "W",
-        "Power of all forces minus that stored and lost, mean over the step",
-        1.0,
-    ),
-)
-"""Outputs, as `output_variable` takes them."""
 WHOLE = (
     ("displacement", "m", "rotation", "rad", "of the block at O", 1e-5),
     ("velocity", "m/s", "rotation_velocity", "rad/s", "of the block at O", 1e-3),
@@ -89,7 +77,7 @@ def variables(cylinders: int, mounts: int, grid: tuple[int, int]) -> list[Variab
         *declared_parameters([BlockParameters]),
         *(one for film in films for one in declared(CylinderMotion, output_variable, *film)),
         *vectors(),
-        *(output_variable(*row) for row in SCALARS),
+        *declared(BlockScalars),
         constant("cylinders", cylinders, "Number of cylinders"),
         constant("mounts", mounts, "Number of mounts"),
     ]

@@ -1,19 +1,39 @@
 """Offline work of the shell's FMU: reduce it, or find it in the cache."""
 
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from ...master.fmi.variables import Variable
+from ..body_options import MOST_MODES, Count, Length
 from ..dynamics.bearing_shell import YieldingShell
-from ..options import read_options
+from ..options import BuildTable, RoundShell, read_options, shell_faults
 from ..reducing import Say, reduced_shell
 from ..reduction.reduced_body import ReducedShell, ShellFilm, ShellKind, load
-from .options import BuildShell
-from .variables import variables
+from .slave import Shell
 
 SHELL = ShellKind("shell")
 DENSITY = 7850.0
 """Density for the scale of the modes [kg/m3]. It has no effect on the deflection."""
+
+
+class BuildShell(RoundShell, BuildTable):
+    """Build options of the FMU of a shell.
+
+    The mesh origin is on its axis z at mid-length. Surfaces: bore, and held, which is fixed.
+    """
+
+    grid: tuple[Count, Count] = (72, 8)
+    """Number of cells around and along the shell, equal to the grid of its film."""
+    length: Annotated[Length, Field(gt=0)]
+    """Length of the film along the shell."""
+    modes: Annotated[int, Field(ge=1, le=MOST_MODES)] = 60
+    """Number of modes."""
+
+    def faults(self, folder: Path) -> list[str]:
+        """Return the faults of modes and mesh; the path becomes absolute."""
+        return shell_faults("", self.modes, self.grid) + super().faults(folder)
 
 
 def options_schema() -> dict[str, Any]:
@@ -29,8 +49,8 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
     BadInput
         Every fault of the table.
     """
-    given = options is not None
-    return variables(read_options(options, folder, BuildShell).grid if given else (4, 4))
+    grid = (4, 4) if options is None else read_options(options, folder, BuildShell).grid
+    return Shell.variables({"grid": grid})
 
 
 def prepare(
