@@ -42,7 +42,7 @@ from .dynamics.instant import of_bearings, slides_at
 from .dynamics.model import MOTION
 from .dynamics.model_faults import body_faults
 from .dynamics.parameters import Parameters, Settings, settings_of
-from .dynamics.pin_outputs import PinScalars
+from .dynamics.pin_outputs import PIN_NAMES
 from .dynamics.pin_shells import shell_modes_of
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.response import StepEnd
@@ -136,7 +136,7 @@ OfBlock = Annotated[np.ndarray, f"{len(BlockForce._fields)}"]
 class VariablePlaces(NamedTuple):
     """Positions among the variables, -1 if there is none.
 
-    settings, scalars, pin_scalars : of `Settings`, `Scalars` and `PinScalars`, in their order;
+    settings, scalars, pin_scalars : of `Settings`, `Scalars` and `PIN_NAMES`, in their order;
     inputs : of the numbers of `StepInputs`;
     rings, carrier : of `variables.RINGS` and `variables.BLOCK`; on_block : of the forces on a
     mounted block; motion : of the derivatives `model.MOTION`.
@@ -144,7 +144,7 @@ class VariablePlaces(NamedTuple):
 
     settings: Annotated[np.ndarray, f"{len(Settings._fields)}"]
     scalars: Annotated[np.ndarray, f"{len(Scalars._fields)}"]
-    pin_scalars: Annotated[np.ndarray, f"{len(PinScalars._fields)}"]
+    pin_scalars: Annotated[np.ndarray, f"{len(PIN_NAMES)}"]
     gas_source: int
     crank_free: int
     film_symmetry: int
@@ -271,7 +271,7 @@ def _places(slave) -> VariablePlaces:
     return VariablePlaces(
         settings=each("" if name in INTEGERS else name for name in Settings._fields),
         scalars=each(Scalars._fields),
-        pin_scalars=each(PinScalars._fields),
+        pin_scalars=each(PIN_NAMES),
         **{name: slave.references[name] for name in (*INTEGERS, "crank_speed")},
         inputs=each(name for name in StepInputs._fields if name not in FIELDS),
         rings=each(RINGS),

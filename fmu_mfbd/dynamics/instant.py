@@ -24,7 +24,7 @@ from .gas_on_bore import wall_forces
 from .generalised_alpha import Motion
 from .impact import limit_memory, longest_step
 from .pin_films import film_pushes, held_forces, pin_films
-from .pin_outputs import PinScalars, pin_scalars
+from .pin_outputs import pin_scalars
 from .piston_motion import LATERAL, RIGID, ROCKING, Load
 from .skirt_films import AxialMotion, SkirtFilms, forces_by_film, skirt_films, together
 from .slider_crank import height
@@ -70,7 +70,8 @@ class Instant(NamedTuple):
         Of all films of pin and crank, stacked [m], [m/s] (Eq. (H7)).
     pin_work_error : ndarray, shape (films,)
         Power of each of them on its grid minus that in the coordinates, relative [-].
-    pin_scalars : PinScalars
+    pin_scalars : ndarray
+        Values of `pin_outputs.PIN_OUTPUTS`.
     linear : Linearisation
         For derivatives.
     on_block : BlockForce
@@ -99,7 +100,7 @@ class Instant(NamedTuple):
     pin_film_thickness: np.ndarray
     circumferential_velocity: np.ndarray
     pin_work_error: np.ndarray
-    pin_scalars: PinScalars
+    pin_scalars: np.ndarray
     linear: Linearisation
     on_block: BlockForce
 

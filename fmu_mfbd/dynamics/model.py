@@ -21,6 +21,7 @@ from .generalised_alpha import Coefficients, coefficients
 from .half_films import check_even, check_half, is_half
 from .instant import Instant, of_bearings, slides_at
 from .parameters import REFERENCE, Damping
+from .pin_outputs import PIN_NAMES
 from .pin_shells import shell_modes_of
 from .piston_motion import LATERAL, ROCKING
 from .response import Response
@@ -386,8 +387,8 @@ class PistonInBore:
             outputs["small_end_modal_velocity"] = shell_modes_of(
                 self.chain.elements, velocity, EYE
             ).copy()
-        of_pin = now.pin_scalars._asdict() if self.pins else {}
-        return outputs | {k: v for k, v in of_pin.items() if not k.startswith(self.absent)}
+        of_pin = zip(PIN_NAMES, now.pin_scalars.tolist()) if self.pins else ()
+        return outputs | {k: v for k, v in of_pin if not k.startswith(self.absent)}
 
     def directional_derivative(
         self,

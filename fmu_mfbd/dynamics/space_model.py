@@ -36,7 +36,6 @@ from .motion_in_space import (
     tangent,
     with_pin,
 )
-from .pin_outputs import NO_PIN
 from .piston_motion import LATERAL, RIGID, ROCKING
 from .response import Response, load_change
 from .skirt_films import (
@@ -207,7 +206,7 @@ class PistonInSpace(PistonInBore):
             pin_film_thickness=none,
             circumferential_velocity=none,
             pin_work_error=none,
-            pin_scalars=NO_PIN,
+            pin_scalars=none,
             linear=no_linearisation(),
             on_block=on_block,
         )
