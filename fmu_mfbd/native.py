@@ -43,7 +43,6 @@ from .dynamics.model import MOTION
 from .dynamics.model_faults import body_faults
 from .dynamics.parameters import Parameters, Settings, settings_of
 from .dynamics.pin_outputs import PIN_NAMES
-from .dynamics.pin_shells import shell_modes_of
 from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.response import StepEnd
 from .dynamics.slider_crank import CrankMotion
@@ -71,7 +70,6 @@ from .dynamics.system import RingForce
 from .dynamics.thermal_growth import FieldInputs, warm_walls
 from .geometry.film import NodalForces
 from .geometry.pin import PinForces
-from .mechanism.cylinder import EYE, floats
 from .native_fields import forces_at, gathered, put_films, put_stacked, scatter
 from .native_walls import WallPlaces, growths_of, wall_places
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS
@@ -109,8 +107,6 @@ class OutputPlaces(NamedTuple):
     bearing_velocity: int
     residual_evaluations: int
     jacobian_evaluations: int
-    small_end_modal_coordinate: int
-    small_end_modal_velocity: int
 
 
 class FieldPlaces(NamedTuple):
@@ -340,15 +336,9 @@ def publish(real, integer, counts, places, model, result):
     put_stacked(real, outputs.modal_coordinate, now.end.position[first:last])
     put_stacked(real, outputs.modal_velocity, now.kept.velocity[first:last])
     parts = model.parts
-    chain = parts.chain
     put_stacked(real, outputs.bearing_coordinate, of_bearings(parts, now.end.position))
     put_stacked(real, outputs.bearing_velocity, of_bearings(parts, now.kept.velocity))
     put_each(real, places.slides, slides_at(parts, now.end.position, len(places.slides)))
-    if floats(chain):
-        eye = shell_modes_of(chain.elements, now.end.position, EYE)
-        put_stacked(real, outputs.small_end_modal_coordinate, eye)
-        eye = shell_modes_of(chain.elements, now.kept.velocity, EYE)
-        put_stacked(real, outputs.small_end_modal_velocity, eye)
     real[outputs.cylinder_pressure] = result.others.wall.chamber
     real[outputs.side_force_demand] = result.side_force_demand
     counts[0] += now.evaluations

@@ -220,15 +220,6 @@ class BearingOutputs(NamedTuple):
     """Time derivatives of the coordinates of pin and crank."""
 
 
-class EyeOutputs(NamedTuple):
-    """Coordinates of a flexible small end: unit and nominal value."""
-
-    small_end_modal_coordinate: Annotated[np.ndarray, "1", 1e-6]
-    """Mass-normalised modal coordinates of the small end [kg^(1/2) m]."""
-    small_end_modal_velocity: Annotated[np.ndarray, "1/s", 1e-2]
-    """Time derivatives of the modal coordinates [kg^(1/2) m/s]."""
-
-
 def variables(options: BuildOptions) -> list[Variable]:
     """Return the variables of an FMU with these build options."""
     return signals(options) + properties(options)
@@ -240,7 +231,6 @@ def signals(options: BuildOptions) -> list[Variable]:
     films = options.film_grids()
     pins = options.pin_grids()
     acting, answers = inputs(films, pins), outputs(films, modes, pins)
-    pin = options.floating_pin
     if pins:
         absent = options.absent_parts()
         answers += [output_variable(*row) for row in PIN_OUTPUTS if not row[0].startswith(absent)]
@@ -248,8 +238,6 @@ def signals(options: BuildOptions) -> list[Variable]:
     for name in options.slides:
         joint = f"the {SLIDES[name].acts} in its joint on the {SLIDES[name].reacts}"
         answers.append(output_variable(name, "m", f"Displacement of {joint}", 1e-3))
-    if pin:
-        answers += of_modes(EyeOutputs, pin.small_end_modes)
     film = "main_bearing" in options.crank_surfaces()  # which has outputs of these names
     answers += declared(BlockForce, absent=("main_bearing",) * film)
     if walls := options.temperatures:

@@ -11,7 +11,6 @@ from ...master.fmi.noted import none_yet, sentences_of
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import each_of, each_pin_of
-from ..mechanism.cylinder import EYE, floats
 from .bdf2 import STATIC
 from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, seen
 from .build_options import BuildOptions, FilmGrid
@@ -22,7 +21,6 @@ from .half_films import check_even, check_half, is_half
 from .instant import Instant, of_bearings, slides_at
 from .parameters import REFERENCE, Damping
 from .pin_outputs import PIN_NAMES
-from .pin_shells import shell_modes_of
 from .piston_motion import LATERAL, ROCKING
 from .response import Response
 from .slider_crank import CrankMotion, height
@@ -379,14 +377,6 @@ class PistonInBore:
         if self.pins or self.slides:
             outputs["bearing_coordinate"] = of_bearings(self.system, now.end.position)
             outputs["bearing_velocity"] = of_bearings(self.system, now.kept.velocity)
-        if floats(self.chain) and self.chain.elements.modes[EYE]:
-            position, velocity = now.end.position, now.kept.velocity
-            outputs["small_end_modal_coordinate"] = shell_modes_of(
-                self.chain.elements, position, EYE
-            ).copy()
-            outputs["small_end_modal_velocity"] = shell_modes_of(
-                self.chain.elements, velocity, EYE
-            ).copy()
         of_pin = zip(PIN_NAMES, now.pin_scalars.tolist()) if self.pins else ()
         return outputs | {k: v for k, v in of_pin if not k.startswith(self.absent)}
 

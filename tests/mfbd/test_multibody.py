@@ -14,8 +14,10 @@ from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, model_of
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import AxisParameters, PinParameters
+from piston_cosim.fmu_mfbd.dynamics.pin_shells import shell_modes_of
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces
 from piston_cosim.fmu_mfbd.geometry.pin_shapes import free_beam
+from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE
 from piston_cosim.fmu_mfbd.reduction.reduced_body import (
     ReducedBosses,
     ReducedPiston,
@@ -219,6 +221,8 @@ def stepped(case, step, end):
     zero = [(np.zeros(one.shape), np.zeros(one.shape)) for one in films]
     forces = demanded(model.start(START, LATERAL, TILT, inputs(0.0, zero))[1])
     state, out = model.start(START, LATERAL, TILT, inputs(0.0, forces))
+    if case.bends:
+        out["eye"] = shell_modes_of(model.chain.elements, state.position, EYE)
     way = [out]
     for k in range(round(end / step)):
         for _ in range(40):
@@ -230,6 +234,8 @@ def stepped(case, step, end):
         else:
             raise AssertionError(f"forces of springs: {max(missing):.3g} N are missing")
         state = after
+        if case.bends:
+            out["eye"] = shell_modes_of(model.chain.elements, state.position, EYE)
         way.append(out)
     return way
 
@@ -413,7 +419,7 @@ class Reference:
             vectors["small_end_force"] = slope - on("small_end", "pin")
             vectors["pin_force"] = -on("boss_0", "pin") - on("boss_1", "pin") - slope
             if case.bends:
-                out["small_end_modal_coordinate"] = q[first["rod"] + 3 :][: self.of["rod"].size - 3]
+                out["eye"] = q[first["rod"] + 3 :][: self.of["rod"].size - 3]
             out["pin_angle"] = q[first["pin"] + 2] - roll
         else:
             vectors["pin_force"] = -multiplier("boss") - slope
