@@ -171,9 +171,9 @@ class Laws(NamedTuple):
 
 
 class Chain(NamedTuple):
-    """Bodies, joints and force elements, and the block that they hang on.
+    """Bodies, joints and force elements.
 
-    The coordinates are those of joints and block (m), then all modes (k).
+    The coordinates are those of joints (m), then all modes (k).
 
     Parameters
     ----------
@@ -181,19 +181,12 @@ class Chain(NamedTuple):
     joints : Joints
     elements : Elements
     laws : Laws
-    block : int
-        First of the block's coordinates: x, y of the origin and the angle. `NONE`: its motion is
-        given.
-    mounts : ndarray, shape (3, 3, 3)
-        Mass, damping and stiffness matrices of the block on its mounts [SI].
     """
 
     bodies: Bodies
     joints: Joints
     elements: Elements
     laws: Laws
-    block: int
-    mounts: Annotated[np.ndarray, "3, 3, 3"]
 
 
 class Loads(NamedTuple):

@@ -175,7 +175,7 @@ def cylinder_chain(c: CylinderParts) -> Chain:
     joints = _joints_of(c, plays)
     elements = _elements_of(c, plays, joints.tip.shape[1])
     laws = _put_laws(c, elements)
-    return Chain(_bodies_of(c, 1.0), joints, elements, laws, NONE, np.zeros((3, 3, 3)))
+    return Chain(_bodies_of(c, 1.0), joints, elements, laws)
 
 
 @compilable
@@ -445,7 +445,7 @@ def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
     whole = cylinder_chain(c)
     joints, elements = whole.joints, whole.elements
     joints.offset[BODY.rod] = 0.0  # an upright rod
-    chain = Chain(_bodies_of(c, of_rod), joints, elements, whole.laws, NONE, whole.mounts)
+    chain = Chain(_bodies_of(c, of_rod), joints, elements, whole.laws)
     m, k = chain.joints.tip.shape[1], len(chain.bodies.stiffness)
     none = np.zeros(m + k)
     still = Motion(none, none, none)

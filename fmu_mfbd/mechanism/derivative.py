@@ -78,7 +78,7 @@ def chain_derivative(
     """
     at = forces.motion
     d = motion_changes(chain.joints, at, by)
-    changes = inertia_changes(chain.bodies, at, now, forces.inertia, by, d, chain.block)
+    changes = inertia_changes(chain.bodies, at, now, forces.inertia, by, d)
     change = changes.wrench
     m = chain.joints.tip.shape[1]
     top = np.zeros((m, change.shape[2]))
@@ -90,8 +90,6 @@ def chain_derivative(
     torque = _inward_changes(chain.joints, at, forces.joints, d, change, top)
     for j in range(len(torque)):
         total[TURN, j] -= torque[j]
-    if chain.block >= 0:
-        _add_block_rows(chain, by, total, top)
     for i in range(3):
         for j in range(len(torque)):
             total[i, j] = -total[i, j]
@@ -116,21 +114,6 @@ def _total_change(at, needed, d, change):
             total[TURN, j] += d.position[b, X, j] * needed[b, Y]
             total[TURN, j] -= d.position[b, Y, j] * needed[b, X]
     return total
-
-
-@compilable
-def _add_block_rows(chain, by, total, top):
-    """Add the derivative of the rows of the block."""
-    k = chain.block
-    for i in range(3):
-        for j in range(total.shape[1]):
-            top[k + i, j] += total[i, j]
-        for j in range(3):
-            top[k + i, k + j] += (
-                chain.mounts[0, i, j] * by.acceleration[k + j]
-                + chain.mounts[1, i, j] * by.velocity[k + j]
-                + chain.mounts[2, i, j] * by.position[k + j]
-            )
 
 
 @compilable

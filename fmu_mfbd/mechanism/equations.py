@@ -68,10 +68,9 @@ def forces_at(
     Eq. (D62):  Q = (F_e, M_e + d x F_e)      on the body of an element
                 Q = (-F_e, M_R - l x F_e)      on that of its reaction
                 d, l from the origins of both bodies to marker and point of the element
-    Eq. (D63):  M_B u'' + D_B u' + K_B u + sum_b (F_b, X_b x F_b + M_b) = (0, 0, torque)
-                u of the block on its mounts
+    Eq. (D63):  (F, M) = (0, 0, torque) - sum_b (F_b, X_b x F_b + M_b)      on the block
 
-    Forces between the bodies and the block cancel in Eq. (D63). Shapes s of a bent journal add
+    Forces between the bodies cancel in Eq. (D63). Shapes s of a bent journal add
     s x Q to its moments. The products with J are a sweep from the last body inwards, in which each
     body adds its force to that of its parent.
 
@@ -83,14 +82,14 @@ def forces_at(
     now : Motion
         Of all m + k coordinates.
     given : Carrier
-        Motion of a block without coordinates.
+        Motion of the block.
 
     Returns
     -------
     ChainForces
     """
     m = chain.joints.tip.shape[1]
-    inertia = inertia_forces(chain.bodies, at, now, block_motion(chain.block, now, given), m)
+    inertia = inertia_forces(chain.bodies, at, now, given, m)
     residual = np.zeros(len(now.position))
     for i in range(len(loads.modal)):
         residual[m + i] = inertia.modal[i] - loads.modal[i]
@@ -106,29 +105,9 @@ def forces_at(
     subtract_loads(chain.elements, loads.wrench, at, force)
     torque = _inwards(chain.joints, at, force, residual)
     total[TURN] -= torque
-    k = chain.block
-    if k >= 0:
-        for i in range(3):
-            # Eq. (D63)
-            residual[k + i] += total[i]
-            for j in range(3):
-                residual[k + i] += (
-                    chain.mounts[0, i, j] * now.acceleration[k + j]
-                    + chain.mounts[1, i, j] * now.velocity[k + j]
-                    + chain.mounts[2, i, j] * now.position[k + j]
-                )
     for i in range(3):
-        total[i] = -total[i]
+        total[i] = -total[i]  # Eq. (D63)
     return ChainForces(residual, torque, total, force, at, inertia)
-
-
-@compilable
-def block_motion(block: int, now: Motion, given: Carrier) -> Carrier:
-    """Return the motion of the block, `given` unless it has coordinates from `block` on."""
-    if block < 0:
-        return given
-    a = now.acceleration
-    return Carrier(a[block], a[block + 1], a[block + 2], now.velocity[block + 2])
 
 
 @compilable

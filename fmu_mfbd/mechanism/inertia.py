@@ -253,7 +253,6 @@ def inertia_changes(
     forces: InertiaForces,
     by: Increments,
     d: MotionChanges,
-    block: int,
 ) -> InertiaChanges:
     """Compute the derivative of `inertia_forces`.
 
@@ -266,8 +265,6 @@ def inertia_changes(
     forces : InertiaForces
     by : Increments
     d : MotionChanges
-    block : int
-        First of the block's coordinates, or `chain.NONE`.
 
     Returns
     -------
@@ -275,18 +272,10 @@ def inertia_changes(
     """
     n, _, m = d.position.shape
     k = len(bodies.stiffness)
-    shaken = np.zeros((4, m))
-    if block >= 0:
-        shaken[AX, block], shaken[AY, block + 1] = (
-            by.acceleration[block],
-            by.acceleration[block + 1],
-        )
-        shaken[ALPHA, block + TURN] = by.acceleration[block + TURN]
-        shaken[W, block + TURN] = by.velocity[block + TURN]
     out = InertiaChanges(
         np.zeros((n, 3, m + k)), np.zeros((k, m)), np.empty(k), np.empty((n, 4, m))
     )
-    _put_frame_changes(at, forces, d, shaken, out.frames)
+    _put_frame_changes(at, forces, d, np.zeros((4, m)), out.frames)
     _put_joint_columns(bodies, at, forces, d, out)
     _put_modal_columns(bodies, at, now, m, forces, by, out)
     return out

@@ -16,7 +16,7 @@ from piston_cosim.fmu_mfbd.mechanism.derivative import chain_tangent
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
 from piston_cosim.fmu_mfbd.mechanism.laws import add_laws
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
-from piston_cosim.fmu_mfbd.mechanism.solution import solve_chain
+from piston_cosim.fmu_mfbd.mechanism.solution import factorise_chain, substitute_chain
 from piston_cosim.master.fmi.block import flatten
 from piston_cosim.master.fmi.compiled import compiled
 from piston_cosim.master.fmi.native_parts import NativePart
@@ -44,7 +44,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     add_laws(chain, chain_motion(chain.joints, now, problem.drive), problem.drive.angle, loads)
     forces = chain_forces(chain, loads, now, problem.drive, problem.given)
     arrow = chain_tangent(chain, loads, now, forces, problem.by)
-    change = solve_chain(arrow, forces.residual)
+    change = substitute_chain(factorise_chain(arrow), forces.residual)
     for k in range(len(change)):
         real[k] = now.acceleration[k] - change[k]
 

@@ -18,7 +18,6 @@ from piston_cosim.fmu_mfbd.mechanism.chain import (
 from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE, NO_SLIDES, CylinderLaws, cylinder_chain
 from piston_cosim.fmu_mfbd.mechanism.solution import mode_coupling
 from piston_cosim.tests.verification.cases.links import (
-    NO_MOUNTS,
     Element,
     Link,
     Slide,
@@ -32,13 +31,6 @@ MECHANISM = Mechanism(0.072, 0.223, 1.2e-3, 1.7, 0.017, 72 / 223, 0.5)
 SPIN_INERTIA = 2e-4
 CRANK = CrankMotion(0.9, 210.0, 4e3)
 CRANK_MASS, UNBALANCE = 3.1, 0.012
-MOUNTS = np.array(
-    [
-        [[90.0, 0.0, -2.0], [0.0, 90.0, 1.0], [-2.0, 1.0, 4.0]],
-        np.diag([2e3, 2e3, 50.0]),
-        np.diag([2e6, 2e6, 5e4]),
-    ]
-)
 GAS = 12e3
 SHAPES, SHELL_MODES = 2, 3
 SLIDES = (0.3, 0.9), (0.0, 1.0), (0.8, -0.2)
@@ -97,7 +89,6 @@ def engine(
     pistons,
     floating=False,
     crank_films=False,
-    mounted=False,
     free=False,
     yields=False,
     slides=False,
@@ -107,15 +98,14 @@ def engine(
 
     Coordinates of each cylinder: x_A, rocking angle; with a floating pin pin from bosses, pin from
     eye (x, y), angle of the pin; with films of the crank crank pin from big end. Then journal from
-    main bearing, x, y and angle of the block, and the lead of a free crank over its drive.
+    main bearing, and the lead of a free crank over its drive.
     If it yields, each pin has `SHAPES` shapes along both axes and each shell `SHELL_MODES` modes.
     The last coordinates of each cylinder with slides are those of `SLIDES`.
     """
     m = mechanism
     per = 2 + 5 * floating + 2 * crank_films + len(SLIDES) * slides
     journal = per * len(pistons) if crank_films else NONE
-    block = per * len(pistons) + 2 * crank_films if mounted else NONE
-    size = per * len(pistons) + 2 * crank_films + 3 * mounted + free
+    size = per * len(pistons) + 2 * crank_films + free
     crank = rigid(CRANK_MASS)._replace(S=np.array([0.0, UNBALANCE])) if crank_films else rigid(0.0)
     about_end = m.rod_inertia + m.rod_mass * (m.rod_centre * m.rod_length) ** 2
     rod = rigid(m.rod_mass, m.rod_centre * m.rod_length, about_end)
@@ -168,9 +158,8 @@ def engine(
             Element(at + 2, BLOCK, at + 2, BLOCK),
             Element(at + 2, BLOCK, point=(m.offset, 0.0), at_point=True),
         ]
-    mounts = MOUNTS if mounted else NO_MOUNTS
     tail = springs(main + shells - of_pistons if crank_films else 0)
-    return found._replace(chain=chain_of(links, elements, size, block, mounts, tail))
+    return found._replace(chain=chain_of(links, elements, size, tail))
 
 
 def matrix_of(arrow, coupling=0.0):

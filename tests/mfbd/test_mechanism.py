@@ -17,7 +17,7 @@ from piston_cosim.fmu_mfbd.mechanism.cylinder import (
     cylinder_chain,
 )
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_tangent
-from piston_cosim.fmu_mfbd.mechanism.equations import block_motion, chain_forces, forces_at
+from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces, forces_at
 from piston_cosim.fmu_mfbd.mechanism.loads import HeldForces, loads_at, no_loads
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
 from piston_cosim.fmu_mfbd.mechanism.solution import (
@@ -173,13 +173,13 @@ def test_a_cylinder_is_the_chain_by_names(modes):
 TWO = [flexible(8, seed) for seed in (3, 5)]
 ENGINES = {
     "tied": lambda: tied(TWO[0]),
-    "everything": lambda: engine(TWO[:1], True, True, True, True),
-    "two cylinders": lambda: engine(TWO, True, True, True),
-    "slides": lambda: engine(TWO, mounted=True, free=True, slides=True),
+    "everything": lambda: engine(TWO[:1], True, True, True),
+    "two cylinders": lambda: engine(TWO, True, True),
+    "slides": lambda: engine(TWO, free=True, slides=True),
 }
 YIELDING = {
     "yields": lambda: engine(TWO[:1], True, True, yields=True),
-    "two that yield": lambda: engine(TWO, True, True, True, yields=True),
+    "two that yield": lambda: engine(TWO, True, True, yields=True),
 }
 each_engine = pytest.mark.parametrize("built", [make() for make in ENGINES.values()], ids=ENGINES)
 each_that_yields = pytest.mark.parametrize(
@@ -217,15 +217,14 @@ def test_the_tangent_is_the_derivative(built):
     n, m = len(now.position), chain.joints.tip.shape[1]
     by = reach(n)
     by.velocity[: m // 2], by.position[: m // 2] = STEP, STEP**2
-    moving = MOVING if chain.block < 0 else FIXED
 
     def residual(change):
         moved = Motion(*(old + more * change for old, more in zip(now, by)))
         later = chain_motion(chain.joints, moved, CRANK)
         changed = loads_at(chain, held(built), later, moved)
-        return forces_at(chain, changed, later, moved, moving).residual
+        return forces_at(chain, changed, later, moved, MOVING).residual
 
-    own = chain_forces(chain, given, now, CRANK, moving)
+    own = chain_forces(chain, given, now, CRANK, MOVING)
     whole = coupled(chain_tangent(chain, given, now, own, by), chain, own, by)
     scale = np.abs(whole).max(axis=1)
     for j, unit in enumerate(np.eye(n)):
@@ -246,8 +245,7 @@ def test_the_solution_and_the_product_of_a_tangent(built):
     right = 10 ** np.linspace(-2, 2, n)
     x = substitute_chain(factors, right)
     np.testing.assert_allclose(arrow_product(arrow, x), right, rtol=1e-9)
-    moving = block_motion(chain.block, now, MOVING)
-    x = solve_coupled(chain.bodies, own.motion, moving, by, factors, right)
+    x = solve_coupled(chain.bodies, own.motion, MOVING, by, factors, right)
     expected = np.linalg.solve(coupled(arrow, chain, own, by), right)
     np.testing.assert_allclose(x, expected, rtol=1e-8)
 
@@ -277,10 +275,7 @@ def test_forces_and_motion_agree_in_virtual_work(built):
                 velocity = np.array([x - w * arm[1], y + w * arm[0]])
                 power.append(force @ velocity + moment * w)
     loaded, bare = (chain_forces(chain, one, now, CRANK, MOVING) for one in (given, none))
-    velocity = now.velocity.copy()
-    if chain.block >= 0:  # all these forces are between bodies and block
-        velocity[chain.block : chain.block + 3] = 0.0
-    rows = -(loaded.residual - bare.residual) * velocity
+    rows = -(loaded.residual - bare.residual) * now.velocity
     drive = -(loaded.torque - bare.torque) * CRANK.speed
     size = np.abs(power).sum() + np.abs(rows).sum() + abs(drive)
     assert sum(power) == pytest.approx(rows.sum() + drive, abs=1e-14 * size)
@@ -306,9 +301,6 @@ def test_momentum_and_energy(built):
     now = motion(built)
     none = no_loads(chain)
     m = chain.joints.tip.shape[1]
-    if chain.block >= 0:
-        for one in now:
-            one[chain.block : chain.block + 3] = 0.0
 
     def state(t):
         q = now.position + t * now.velocity + t**2 / 2 * now.acceleration

@@ -22,7 +22,6 @@ from piston_cosim.fmu_mfbd.mechanism.chain import (
 )
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments
 
-NO_MOUNTS = np.zeros((3, 3, 3))
 NO_SPRINGS = ModalSprings(np.zeros(0), np.zeros(0))
 NO_LAWS = Laws(np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros((0, 0)))
 
@@ -146,12 +145,10 @@ def chain_of(
     links: Sequence[Link],
     elements: Sequence[Element] = (),
     coordinates: int = 0,
-    block: int = NONE,
-    mounts: np.ndarray = NO_MOUNTS,
     springs: ModalSprings = NO_SPRINGS,
     laws: Laws = NO_LAWS,
 ) -> Chain:
-    """Return the chain of bodies and force elements with m coordinates of joints and block.
+    """Return the chain of bodies and force elements with m coordinates of joints.
 
     Raises
     ------
@@ -203,7 +200,7 @@ def chain_of(
     points = {name: real(elements, name, (2,)) for name in ("marker", "point")}
     table = Elements(**numbers, **points, at_point=real(elements, "at_point"))
     bodies = stack_bodies([link.body for link in links], springs)
-    return Chain(bodies, joints, table, laws, block, mounts)
+    return Chain(bodies, joints, table, laws)
 
 
 def increments_of(c: Coefficients, n: int) -> Increments:
