@@ -13,8 +13,8 @@ from ..mechanism.chain import Bodies
 from .account import EnergyAccount
 from .instant import Instant
 from .piston_motion import LATERAL, ROCKING
-from .slider_crank import CrankMotion, PistonLoad, side_force_demand
-from .system import BodySystem, OtherForces, rigid_piston
+from .slider_crank import CrankMotion
+from .system import BodySystem
 
 
 class Scalars(NamedTuple):
@@ -82,14 +82,6 @@ class Scalars(NamedTuple):
     """Longest step that resolves the motion across the bore; if it is shorter than the last step,
     that step can be repeated in parts.
     """
-
-
-@compilable
-def demand_of(system: BodySystem, others: OtherForces, crank: CrankMotion) -> float:
-    """Return the side force that gas, rings and inertia demand (Eq. (K11)) [N]."""
-    mass = rigid_piston(system).mass
-    load = PistonLoad(mass, others.gas, others.rings.lateral, others.rings.axial)
-    return side_force_demand(system.mechanism, load, crank)
 
 
 @compilable

@@ -32,12 +32,6 @@ class LUFactors(NamedTuple):
 
 
 @compilable
-def no_factors() -> LUFactors:
-    """Return those of a system that is not solved by elimination."""
-    return LUFactors(np.zeros((0, 0)), np.zeros(0))
-
-
-@compilable
 def factorise(matrix: np.ndarray) -> LUFactors:
     """Factorise a matrix by elimination with exchange of rows.
 

@@ -131,7 +131,7 @@ def end_of_step(
     guided = AxialMotion(upright.height, upright.lever * crank.speed)
     parts = forces_by_film(of, guided.height, skirt_forces)
     skirt = together(parts)
-    load = load_of(of, skirt, others, on_modes(skirt))
+    load = load_of(of, skirt, others)
     pushes = film_pushes(of, forces)
     held = held_forces(of, load, forces, pushes)
     by_gas = gas_on_modes(of, guided.height, others)
@@ -177,7 +177,7 @@ def end_of_step(
         other_forces=other_forces(arrow_product(of.with_rod, end.acceleration), push),
         next_other_forces=other_forces(arrow_product(of.with_rod, kept.acceleration), push),
         guided=guided.height,
-        side_force=-skirt.lateral,
+        side_force=-skirt.push[LATERAL],
         films=on_skirt,
         axial=axial,
         pin_x=on_pin[X],
@@ -249,7 +249,7 @@ def coordinate_forces(chain: Chain, loads: Loads, skirt: FilmForces) -> np.ndarr
     elements, angle = chain.elements, chain.joints.angle
     m = chain.joints.tip.shape[1]
     out = np.zeros(m + len(loads.modal))
-    out[LATERAL], out[ROCKING] = skirt.lateral, skirt.moment
+    out[LATERAL], out[ROCKING] = skirt.push[LATERAL], skirt.push[ROCKING]
     for e in range(len(elements.acts)):
         wrench, play = loads.wrench[e], elements.play[e]
         if play < 0:
@@ -291,8 +291,8 @@ def _ledger(of, before, kept, end, by_films, driven):
 
 
 @compilable
-def load_of(system: BodySystem, films: FilmForces, others: OtherForces, modal: np.ndarray) -> Load:
-    """Return the load on the piston, all but the pin's; `modal` on the modes with inertia.
+def load_of(system: BodySystem, films: FilmForces, others: OtherForces) -> Load:
+    """Return the load on the piston, all but the pin's, and of films on modes.
 
     Eq. (D8):  moment about A = (gas - F_y)(pin offset + x_A) + M
 
@@ -306,18 +306,12 @@ def load_of(system: BodySystem, films: FilmForces, others: OtherForces, modal: n
     rings = others.rings
     guided = others.gas - rings.axial
     return Load(
-        films.lateral + rings.lateral,
+        films.push[LATERAL] + rings.lateral,
         films.axial - guided,
-        films.moment + system.pin_offset * guided + rings.moment,  # Eq. (D8)
+        films.push[ROCKING] + system.pin_offset * guided + rings.moment,  # Eq. (D8)
         guided,
-        modal,
+        films.push[RIGID:],
     )
-
-
-@compilable
-def on_modes(skirt: FilmForces) -> np.ndarray:
-    """Return the forces of the skirt's films on the modes of piston and block [kg^-1/2 N]."""
-    return np.concatenate((skirt.piston, skirt.block))
 
 
 @compilable

@@ -18,7 +18,7 @@ from .block_force import BlockForce, block_force
 from .carrier import Carrier
 from .floating_frame import TURN, Y
 from .generalised_alpha import Coefficients, Motion
-from .instant import of_skirt, on_modes
+from .instant import of_skirt
 from .pin_films import film_pushes, held_forces, pin_changes
 from .piston_motion import LATERAL, RIGID, ROCKING, Load
 from .skirt_films import Change, forces_by_film, skirt_changes, skirt_slopes, together
@@ -72,14 +72,14 @@ class Response(NamedTuple):
 
 
 @compilable
-def load_change(system: BodySystem, films: FilmForces, rings: RingForce, modal: np.ndarray) -> Load:
+def load_change(system: BodySystem, films: FilmForces, rings: RingForce) -> Load:
     """Return the change of the load on the piston with films and rings."""
     return Load(
-        films.lateral + rings.lateral,
+        films.push[LATERAL] + rings.lateral,
         films.axial + rings.axial,
-        films.moment + rings.moment - rings.axial * system.pin_offset,  # Eq. (D8)
+        films.push[ROCKING] + rings.moment - rings.axial * system.pin_offset,  # Eq. (D8)
         -rings.axial,
-        modal,
+        films.push[RIGID:],
     )
 
 
@@ -114,7 +114,7 @@ def response(
     chain = of.chain
     end, guided, own = last.now, last.guided, last.linear
     skirt = together(forces_by_film(of, guided, skirt_forces))
-    change = load_change(of, skirt, rings, on_modes(skirt))
+    change = load_change(of, skirt, rings)
     at, block = own.forces.motion, own.forces.inertia.carrier
     by = reach_of(last.coefficients, of.kinds)
     held = held_forces(of, change, forces, film_pushes(of, forces))
@@ -131,7 +131,7 @@ def response(
     from_walls = np.zeros(2)
     if len(chain.laws.kind) > 0:
         from_walls = from_block_changes(chain.elements, own.law_slopes, at, bodies)
-    first = RIGID + len(skirt.piston)
+    first = RIGID + len(of.gas_force)
     if lever != 0.0:
         slopes = skirt_slopes(of, guided, skirt_forces.pressure)
         pushed_along = slopes.undeformed + slopes.modal @ of_skirt(of, end.position)[first:]

@@ -21,7 +21,7 @@ from ..geometry.film import (
 )
 from ..geometry.surfaces import count_of, surface_at
 from .piston_motion import LATERAL, RIGID, ROCKING
-from .system import BodySystem
+from .system import BodySystem, skirt_modes
 
 
 class AxialMotion(NamedTuple):
@@ -102,11 +102,8 @@ def window_of(surface: FilmSurface, guided: float) -> Window:
 class FilmParts(NamedTuple):
     """Generalised forces of each film of the skirt, as of `FilmForces`, one row a surface."""
 
-    lateral: np.ndarray
     axial: np.ndarray
-    moment: np.ndarray
-    piston: np.ndarray
-    block: np.ndarray
+    push: np.ndarray
 
 
 @compiled
@@ -121,42 +118,18 @@ def forces_by_film(system: BodySystem, guided: float, forces: NodalForces) -> Fi
     forces : NodalForces
         Stacked [N].
     """
-    modes = len(system.gas_force)
-    of_block = system.wall.above.shape[1]
-    n = count_of(system.surfaces)
-    parts = FilmParts(
-        np.empty(n), np.empty(n), np.empty(n), np.empty((n, modes)), np.empty((n, of_block))
-    )
+    films = count_of(system.surfaces)
+    parts = FilmParts(np.empty(films), np.empty((films, RIGID + skirt_modes(system))))
     first = 0
-    for s in range(n):
+    for s in range(films):
         surface = surface_at(system.surfaces, s)
         nodal = _nodal(surface, forces, first)
         part = generalised(surface.skirt, surface.bore, window_of(surface, guided), nodal)
-        parts.lateral[s] = part.lateral
         parts.axial[s] = part.axial
-        parts.moment[s] = part.moment
-        for k in range(modes):
-            parts.piston[s, k] = part.piston[k]
-        for k in range(of_block):
-            parts.block[s, k] = part.block[k]
+        for k in range(len(part.push)):
+            parts.push[s, k] = part.push[k]
         first += cells_of(surface)
     return parts
-
-
-@compiled
-def part_of(parts: FilmParts, s: int) -> FilmForces:
-    """Return the generalised forces of a film."""
-    return FilmForces(
-        parts.lateral[s], parts.axial[s], parts.moment[s], parts.piston[s], parts.block[s]
-    )
-
-
-@compiled
-def by_coordinate(forces: FilmForces) -> np.ndarray:
-    """Return the generalised forces on x_A, rocking angle, modes of piston and block, (n,)."""
-    out = np.concatenate((np.empty(RIGID), forces.piston, forces.block))
-    out[LATERAL], out[ROCKING] = forces.lateral, forces.moment
-    return out
 
 
 @compiled
@@ -165,21 +138,14 @@ def together(parts: FilmParts) -> FilmForces:
 
     Eq. (G2):  Q = sum_s Q_s        s the film surfaces of the body: virtual work adds
     """
-    lateral = 0.0
     axial = 0.0
-    moment = 0.0
-    piston = np.zeros(parts.piston.shape[1])
-    block = np.zeros(parts.block.shape[1])
-    for s in range(len(parts.lateral)):
+    push = np.zeros(parts.push.shape[1])
+    for s in range(len(parts.axial)):
         # Eq. (G2)
-        lateral += parts.lateral[s]
         axial += parts.axial[s]
-        moment += parts.moment[s]
-        for k in range(len(piston)):
-            piston[k] += parts.piston[s, k]
-        for k in range(len(block)):
-            block[k] += parts.block[s, k]
-    return FilmForces(lateral, axial, moment, piston, block)
+        for k in range(len(push)):
+            push[k] += parts.push[s, k]
+    return FilmForces(axial, push)
 
 
 class SkirtFilms(NamedTuple):
@@ -229,7 +195,7 @@ def skirt_films(
     """
     thickness = np.empty(len(forces.pressure))
     sliding_velocity = np.empty(len(forces.pressure))
-    errors = np.empty(len(parts.lateral))
+    errors = np.empty(len(parts.axial))
     on_slopes = 0.0
     first = 0
     for k in range(len(errors)):
@@ -246,7 +212,8 @@ def skirt_films(
         )
         stack_film(thickness, first, surface, film.film_thickness)
         stack_film(sliding_velocity, first, surface, film.sliding_velocity)
-        errors[k] = work_error(part_of(parts, k), film, axial_velocity, guided.velocity, velocity)
+        own = FilmForces(parts.axial[k], parts.push[k])
+        errors[k] = work_error(own, film, axial_velocity, guided.velocity, velocity)
         on_slopes += film.axial_force
         first += cells_of(surface)
     return SkirtFilms(thickness, sliding_velocity, errors, on_slopes)
@@ -359,8 +326,7 @@ def work_error(
     work = forces.axial * axial_velocity + film.axial_force * guided_velocity
     size = abs(forces.axial * axial_velocity) + abs(film.axial_force * guided_velocity)
     size += film.power_size
-    push = by_coordinate(forces)
     for k in range(len(velocity)):
-        work += push[k] * velocity[k]
-        size += abs(push[k] * velocity[k])
+        work += forces.push[k] * velocity[k]
+        size += abs(forces.push[k] * velocity[k])
     return abs(film.power - work) / size if size > 0.0 else 0.0

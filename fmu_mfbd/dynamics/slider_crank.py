@@ -5,7 +5,7 @@ that gas pressure presses the piston on the +x (thrust) side. Origin on the cran
 the head.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -141,27 +141,8 @@ def moved_inertia(mechanism: Mechanism, mass: float, crank_angle: float) -> floa
     return moved + mechanism.rod_inertia * turn * turn  # Eq. (K28)
 
 
-class PistonLoad(NamedTuple):
-    """Load of the pin in addition to that of the film.
-
-    Parameters
-    ----------
-    mass : float
-        Of piston and pin [kg].
-    gas : float
-        Along -y on the crown [N].
-    rings_lateral, rings_axial : float
-        Of the rings, along x and y [N].
-    """
-
-    mass: float
-    gas: float
-    rings_lateral: float
-    rings_axial: float
-
-
 @compilable
-def side_force_demand(mechanism: Mechanism, load: PistonLoad, crank: CrankMotion) -> float:
+def side_force_demand(mechanism: Mechanism, mass: float, others: Any, crank: CrankMotion) -> float:
     """Return the side force that gas, rings and inertia demand of a piston in mid-bore.
 
     The piston is rigid and has no friction. A film must carry this force on average.
@@ -176,7 +157,10 @@ def side_force_demand(mechanism: Mechanism, load: PistonLoad, crank: CrankMotion
     Parameters
     ----------
     mechanism : Mechanism
-    load : PistonLoad
+    mass : float
+        m of piston and pin [kg].
+    others : OtherForces
+        Gas and rings.
     crank : CrankMotion
 
     Returns
@@ -195,5 +179,5 @@ def side_force_demand(mechanism: Mechanism, load: PistonLoad, crank: CrankMotion
     turning = px / f - xi / f**3 * passing**2  # Eq. (K3)
     swing = (1 - k) * px + f1 * (k * rising + (1 - k) * py)
     rod = k * mechanism.rod_mass * swing - mechanism.rod_inertia * turning / f  # Eq. (K4)
-    axial = load.rings_axial - load.gas - load.mass * rising
-    return load.rings_lateral + f1 * axial - rod  # Eq. (K11)
+    axial = others.rings.axial - others.gas - mass * rising
+    return others.rings.lateral + f1 * axial - rod  # Eq. (K11)

@@ -5,14 +5,13 @@ five equations are in plain numpy.
 """
 
 from collections.abc import Iterable
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, cast
 
 import numpy as np
 
 from ..geometry.film import NodalForces
 from ..geometry.space import Levers, levers, slope_around
 from ..mechanism.cylinder import BODY
-from ..mechanism.solution import no_linearisation
 from .block_force import NO_FORCE
 from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
 from .floating_frame import TURN, Y
@@ -55,9 +54,6 @@ from .system import StepProblem
 
 PASSES = 60
 """Most iterations of Newton's method; four are usual."""
-
-NO_MODES = np.zeros(0)
-"""Modal coordinates of rigid bodies."""
 
 
 class SpaceSolution(NamedTuple):
@@ -150,7 +146,7 @@ class PistonInSpace(PistonInBore):
         across = np.sum(each, axis=0)
         parts = forces_by_film(system, guided.height, forces)
         skirt = together(parts)
-        plane = load_of(system, skirt, others, NO_MODES)
+        plane = load_of(system, skirt, others)
         load = SpaceLoad(plane.lateral, plane.axial, plane.moment, plane.guided, across)
         solved = self._solved(c, before, auxiliary, load, crank)
         self._space = LastInSpace(c, solved, crank, guided.height, sides)
@@ -165,7 +161,7 @@ class PistonInSpace(PistonInBore):
         axial_velocity = at.velocity[-1, Y]
         on_grids = self._films(guided, forces, nodal, parts, axial_velocity, end)
         driven = c.step * (skirt.axial * axial_velocity + on_grids.on_slopes * guided.velocity)
-        films = np.array([skirt.lateral, skirt.moment, *across])
+        films = np.array([*skirt.push, *across])
         M = self.with_rod
         momenta = Momenta(
             M @ before.velocity,
@@ -189,7 +185,7 @@ class PistonInSpace(PistonInBore):
             other_forces=other_forces(M @ end.acceleration, films),  # Eq. (D15)
             next_other_forces=other_forces(M @ kept.acceleration, films),
             guided=guided.height,
-            side_force=-skirt.lateral,
+            side_force=-skirt.push[LATERAL],
             films=on_grids,
             axial=AxialMotion(at.position[-1, Y], axial_velocity),
             pin_x=pin_x,
@@ -207,7 +203,7 @@ class PistonInSpace(PistonInBore):
             circumferential_velocity=none,
             pin_work_error=none,
             pin_scalars=none,
-            linear=no_linearisation(),
+            linear=cast(Any, None),  # `_response` has its own
             on_block=on_block,
         )
 
@@ -350,7 +346,7 @@ class PistonInSpace(PistonInBore):
         system = self.system
         skirt = together(forces_by_film(system, guided, seeds.skirt))
         across = [side.forces(one) for side, one in zip(sides, self._nodal(seeds.skirt))]
-        plane = load_change(system, skirt, seeds.rings, NO_MODES)
+        plane = load_change(system, skirt, seeds.rings)
         rigid = plane.lateral, plane.axial, plane.moment, plane.guided
         change = SpaceLoad(*rigid, across=np.sum(across, axis=0))
         if self._inverse is None:
@@ -366,16 +362,16 @@ class PistonInSpace(PistonInBore):
         (x, y), (passing, _, _) = at.arm[-1], at.velocity[-1] - at.velocity[BODY.rod]
         steeper = (x * x + y * y) / y**3 * passing
         rising = -x / y * speed[LATERAL] - steeper * place[LATERAL]
-        in_plane = Change(place[:RIGID], speed[:RIGID])
-        flat = skirt_changes(system, guided, rising, in_plane, Change(NO_MODES, NO_MODES))
+        in_plane, none = Change(place[:RIGID], speed[:RIGID]), np.zeros(0)
+        flat = skirt_changes(system, guided, rising, in_plane, Change(none, none))
         return Response(
             flat.film_thickness + on_cells(side.opening(place[IN_SPACE]) for side in sides),
             flat.sliding_velocity + on_cells(side.sliding * speed[ROLL] for side in sides),
             speed[LATERAL],
             speed[ROCKING],
             rising,
-            NO_MODES,
-            NO_MODES,
+            none,
+            none,
             NO_FORCE,
         )
 

@@ -14,7 +14,7 @@ from .bdf2 import reach_of
 from .block_force import BlockForce
 from .carrier import Carrier, carrier_from
 from .contradictions import FAULT
-from .drive import Scalars, demand_of, scalars_of
+from .drive import Scalars, scalars_of
 from .floating_frame import TURN
 from .gas_on_bore import WallPressures
 from .instant import Instant, end_of_step
@@ -23,7 +23,7 @@ from .parameters import GAS_SOURCES, Settings
 from .pin_films import undamp_static
 from .response import Response, StepEnd, response
 from .skirt_films import skirt_slopes
-from .slider_crank import CrankMotion, driven, height, moved_inertia
+from .slider_crank import CrankMotion, driven, height, moved_inertia, side_force_demand
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, state_at
 from .system import BodySystem, OtherForces, RingForce, StepProblem, rigid_piston, skirt_modes
@@ -343,9 +343,8 @@ def result_of(
             (before.other_forces, now.other_forces),
             now.ledger.axial_work,
         )
-    inertia = settings.crank_inertia + moved_inertia(
-        system.mechanism, rigid_piston(system).mass, step.crank.angle
-    )
+    mass = rigid_piston(system).mass
+    inertia = settings.crank_inertia + moved_inertia(system.mechanism, mass, step.crank.angle)
     return StepResult(
         now,
         scalars_of(
@@ -358,7 +357,7 @@ def result_of(
             step.coefficients.step,
         ),
         step.others,
-        demand_of(system, step.others, step.crank),
+        side_force_demand(system.mechanism, mass, step.others, step.crank),
         now.on_block,
         state,
         last,

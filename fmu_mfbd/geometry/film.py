@@ -95,38 +95,19 @@ class NodalForces(NamedTuple):
     friction: np.ndarray
 
 
-class Resultants(NamedTuple):
-    """Resultants of the film's forces on the piston.
-
-    Parameters
-    ----------
-    lateral, axial : float
-        Along x and y [N].
-    moment : float
-        About A, about +z [N m].
-    """
-
-    lateral: float
-    axial: float
-    moment: float
-
-
 class FilmForces(NamedTuple):
     """Generalised forces of the film.
 
     Parameters
     ----------
-    lateral, axial, moment : float
-        On the piston along x and y, and about A [N], [N], [N m].
-    piston, block : ndarray, shapes (k,), (k',)
-        Modal forces [kg^-1/2 N].
+    axial : float
+        On the piston along y [N].
+    push : ndarray, shape (2 + k + k',)
+        On x_A [N], the rocking angle [N m], modes of piston and block [kg^-1/2 N].
     """
 
-    lateral: float
     axial: float
-    moment: float
-    piston: np.ndarray
-    block: np.ndarray
+    push: np.ndarray
 
 
 class SlopePush(NamedTuple):
@@ -446,17 +427,17 @@ def generalised(skirt: Skirt, bore: BoreSplines, window: Window, forces: NodalFo
     -------
     FilmForces
     """
-    rigid = resultants(skirt, forces)
     push = by_rows(forces.pressure)
     drag = by_rows(forces.friction)
     piston = spread(skirt.axial, 0, drag)
     subtract(piston, spread(skirt.radial, 0, push))
-    if len(bore.radial.table) == 0:
-        return FilmForces(rigid.lateral, rigid.axial, rigid.moment, piston, np.zeros(0))
-    block = spread(bore.radial, window.first, on_knots(window, window.value, push))
-    on_axial = on_knots(window, window.value, drag)
-    subtract(block, spread(bore.axial, window.first, on_axial))
-    return FilmForces(rigid.lateral, rigid.axial, rigid.moment, piston, block)
+    block = np.zeros(0)
+    if len(bore.radial.table) > 0:
+        block = spread(bore.radial, window.first, on_knots(window, window.value, push))
+        on_axial = on_knots(window, window.value, drag)
+        subtract(block, spread(bore.axial, window.first, on_axial))
+    out = np.concatenate((np.zeros(2), piston, block))
+    return FilmForces(put_resultants(skirt, forces, out), out)
 
 
 @compiled
@@ -475,20 +456,11 @@ def slope_push(bore: BoreSplines, window: Window, pressure: np.ndarray) -> Slope
 
 
 @compiled
-def resultants(skirt: Skirt, forces: NodalForces) -> Resultants:
-    """Return the resultants of the film's forces on the piston, and the moment about A.
+def put_resultants(skirt: Skirt, forces: NodalForces, push: np.ndarray) -> float:
+    """Write lateral force and moment about A of the film into `push`, and return the axial force.
 
     Eq. (G1):  lateral = -sum F sin theta,  axial = sum f
                moment = sum (F y' sin theta + f (R sin theta - pin offset))
-
-    Parameters
-    ----------
-    skirt : Skirt
-    forces : NodalForces
-
-    Returns
-    -------
-    Resultants
     """
     pressure = forces.pressure
     friction = forces.friction
@@ -497,19 +469,20 @@ def resultants(skirt: Skirt, forces: NodalForces) -> Resultants:
     axial = 0.0
     moment = 0.0
     for i in range(pressure.shape[0]):
-        push = 0.0
+        pressing = 0.0
         tilting = 0.0
         drag = 0.0
         for j in range(pressure.shape[1]):
-            push += pressure[i, j]
+            pressing += pressure[i, j]
             tilting += pressure[i, j] * height[j]
             drag += friction[i, j]
         # Eq. (G1)
         sine = np.sin(skirt.angle[i])
-        lateral -= push * sine
+        lateral -= pressing * sine
         axial += drag
         moment += tilting * sine + drag * (skirt.radius * sine - skirt.pin_offset)
-    return Resultants(lateral, axial, moment)
+    push[0], push[1] = lateral, moment
+    return axial
 
 
 @compiled

@@ -10,8 +10,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.carrier import FIXED, Carrier
-from ..dynamics.elimination import LUFactors, factorise, no_factors, substitute
+from ..dynamics.carrier import Carrier
+from ..dynamics.elimination import LUFactors, factorise, substitute
 from ..dynamics.floating_frame import TURN, Arrow, X, Y
 from ..dynamics.generalised_alpha import Motion, Prediction
 from ..dynamics.slider_crank import CrankMotion
@@ -19,7 +19,7 @@ from ..geometry.arrays import Matrix
 from .chain import LEVER, Bodies, Chain, Loads
 from .derivative import chain_derivative
 from .equations import ChainForces, forces_at, point_of
-from .inertia import InertiaForces, coupling_of, frame_state
+from .inertia import coupling_of, frame_state
 from .laws import add_laws, law_sizes
 from .loads import HeldForces, loads_at
 from .motion import ChainMotion, Increments, chain_motion
@@ -48,13 +48,6 @@ class ChainFactors(NamedTuple):
     rigid: LUFactors
 
 
-@compilable
-def no_chain_factors() -> ChainFactors:
-    """Return those of a system that has none."""
-    none = np.zeros((0, 0))
-    return ChainFactors(Arrow(none, none, np.zeros(0)), no_factors())
-
-
 class Linearisation(NamedTuple):
     """The end of a step and its derivative by the unknowns of the time integrator.
 
@@ -73,16 +66,6 @@ class Linearisation(NamedTuple):
     factors: ChainFactors
     on_block: Matrix
     law_slopes: Annotated[np.ndarray, "f, 3, 6"]
-
-
-@compilable
-def no_linearisation() -> Linearisation:
-    """Return that of a system that has none."""
-    table, row = np.zeros((0, 0)), np.zeros(0)
-    motion = ChainMotion(table, table, table, table, table, table)
-    inertia = InertiaForces(table, row, table, row, row, row, FIXED)
-    forces = ChainForces(row, 0.0, row, table, motion, inertia)
-    return Linearisation(forces, no_chain_factors(), table, np.zeros((0, 3, 6)))
 
 
 class ChainSolution(NamedTuple):
@@ -338,12 +321,6 @@ def substitute_chain(factors: ChainFactors, right: np.ndarray) -> np.ndarray:
         for mode in range(k):
             out[m + mode] = of_modes[mode] - carried[mode] / diagonal[mode]
     return out
-
-
-@compilable
-def solve_chain(arrow: Arrow, right: np.ndarray) -> np.ndarray:
-    """Return x of `arrow` x = right for a single right side, (m + k,)."""
-    return substitute_chain(factorise_chain(arrow), right)
 
 
 @compilable

@@ -138,7 +138,7 @@ def test_a_field_from_outside_is_the_bores_own_deflection(reduced):
         np.testing.assert_allclose(state.position[: 2 + k], begun.position[: 2 + k], rtol=1e-12)
         guided = own._last.guided
         parts = forces_by_film(own.system, guided, NodalForces(push.ravel(), drag.ravel()))
-        of_film = together(parts).block
+        of_film = together(parts).push[2 + len(own.system.gas_force) :]
         of_gas = wall_forces(own.system.wall, guided, WallPressures(5e5, 0.0))
         by_grid = np.einsum("csk,cs->k", block.radial, told["force_on_bore"])
         wanted = of_film + of_gas

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     CrankMotion,
     Mechanism,
-    PistonLoad,
     moved_inertia,
     side_force_demand,
 )
+from piston_cosim.fmu_mfbd.dynamics.system import OtherForces, RingForce
 from piston_cosim.fmu_mfbd.dynamics.tables import gas_pressure, gas_table, inline_numbers
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     corner_stress,
@@ -58,8 +59,8 @@ def test_side_force_that_gas_rings_and_inertia_ask_for(phi):
     taken = inertia * rates.item(6) + mass * cross(centre - pin, rates[4:6])
     across, up = top - pin
     expected = (taken + across * push) / up + 130.0
-    load = PistonLoad(mass=0.7, gas=5e3, rings_lateral=130.0, rings_axial=-90.0)
-    found = side_force_demand(rod, load, CrankMotion(phi, speed, 0.0))
+    others = OtherForces(5e3, RingForce(130.0, -90.0, 0.0), WallPressures(0.0, 0.0))
+    found = side_force_demand(rod, 0.7, others, CrankMotion(phi, speed, 0.0))
     assert found == near(expected, rel=1e-6)
 
 

@@ -63,7 +63,7 @@ def test_virtual_work_for_any_force_and_motion(seed):
     grid = np.sum(push * opening(skirt, bore, window, x, turn, q, p)) + np.sum(
         drag * sliding(skirt, bore, window, climb, turn, q, p)
     )
-    own = Q.lateral * x + Q.axial * climb + Q.moment * turn + Q.piston @ q + Q.block @ p
+    own = Q.axial * climb + Q.push @ [x, turn, *q, *p]
     assert abs(grid - own) <= 1e-12 * (np.abs(push).sum() + np.abs(drag).sum()) * 10
 
 
