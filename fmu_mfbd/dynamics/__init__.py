@@ -2,7 +2,6 @@
 
 slider_crank       rigid crank and rod (K)
 piston_motion      coordinates and load of the piston
-quasi_static       modes too fast for the step
 system             bodies, mechanism and films together
 skirt_films        all films of the skirt
 instant            all of it at one instant, compiled

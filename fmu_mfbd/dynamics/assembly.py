@@ -33,14 +33,13 @@ from .element_laws import cylinder_laws, free_slides
 from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, bore_wall
 from .half_films import half_films, is_halved
-from .modal_damping import ModalSprings, modal_springs
+from .modal_damping import ModalSprings, moving_modes
 from .model import PistonInBore
 from .motion_in_space import SpaceBodies, SpaceBody, Stop, without_piston
 from .parameters import Parameters, Settings, SpaceParameters, settings_of
 from .pin_axis import pin_beam, pin_rows, pin_span, pin_surfaces, put_beam
-from .pin_films import undamp_static
+from .pin_films import damp_modes
 from .pin_friction import PinFriction
-from .quasi_static import StaticModes, moving_modes
 from .slider_crank import Mechanism
 from .space_model import PistonInSpace
 from .speed_table import SpeedTable
@@ -103,7 +102,7 @@ class BodySetup(NamedTuple):
     bore_rule : ndarray, shape (knots, s)
         As of `ColdWalls`; no rows if that of the bore is none.
     piston : FlexibleBody
-        All modes, with springs of no meaning.
+        With all modes, undamped.
     gas_force, wall
         As of `BodySystem`, the rings unset.
     piston_omega, block_omega, shell_omega : ndarray
@@ -174,7 +173,11 @@ def setup_of(bodies: ReducedBodies, options: BuildOptions, needs: Parameters) ->
         skirt_field=fields[0],
         bore_field=fields[1],
         bore_rule=contiguous(knot_rule(len(block.heights))) if fields[1] else np.zeros((0, 0)),
-        piston=_moving(piston, ModalSprings(piston.omega, piston.omega), len(piston.omega)),
+        piston=FlexibleBody(
+            **{name: getattr(piston, name) for name in FlexibleBody._fields[:8]},
+            stiffness=piston.omega * piston.omega,
+            damping=np.zeros(len(piston.omega)),
+        ),
         gas_force=contiguous(piston.gas_force),
         wall=bore_wall(block.heights, block.radial, block.radius, needs.top_ring_height, 0.0),
         piston_omega=piston.omega,
@@ -203,11 +206,11 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         beam = pin_beam(fit.piston_radius, fit.pin_span, setup.pin_shapes, p)
         put_beam(films, beam, setup.pin_rows, setup.pin_lengths, p)
         omega, shapes, spin = beam.omega, beam_shapes(beam), spin_inertia(beam.pin)
-    k, n = moving_modes(setup.piston_omega, p.quasi_static_frequency), len(omega)
+    others = np.concatenate((setup.block_omega, omega, omega, setup.shell_omega))
     block = len(setup.block_omega)
     cylinder = CylinderParts(
-        _moving(setup.piston, modal_springs(setup.piston_omega, p), k),
-        _static(setup.piston, setup.piston_omega, k),
+        setup.piston,
+        moving_modes(setup.piston_omega, p.quasi_static_frequency),
         mechanism(fit.piston_radius, fit.pin_offset, p),
         p.pin_inertia if p.pin_inertia > 0.0 else spin,
         p.crank_mass,
@@ -215,10 +218,10 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         fit.floats,
         fit.has_big_end,
         fit.has_main_bearing,
-        modal_springs(_free(setup, k, omega), p),
+        ModalSprings(others * others, np.zeros(len(others))),
         block,
         block - moving_modes(setup.block_omega, p.quasi_static_frequency),
-        n,
+        len(omega),
         setup.big_end_modes,
         setup.main_bearing_modes,
         cylinder_laws(p, setup.slides),
@@ -226,7 +229,7 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     )
     chain = cylinder_chain(cylinder)
     kinds = integrators(cylinder, chain)
-    undamp_static(kinds, chain)
+    damp_modes(kinds, chain, p)
     half = is_halved(setup.half_surfaces, p)
     cold_films = setup.half_surfaces if half else setup.surfaces
     radii = free_radii(setup.radii, len(surface_at(cold_films, 0).skirt.temperature) > 0, p)
@@ -255,38 +258,6 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     )
     cold = cold_walls(hot_films, (setup.skirt_field, setup.bore_field), setup.bore_rule)
     return BodyModel(parts, p, setup.gas, setup.gas_area, setup.speed, setup.mounted, radii, cold)
-
-
-@compilable
-def _moving(body, springs, k):
-    """Return the piston with its first k modes."""
-    return FlexibleBody(
-        body.mass,
-        body.S,
-        body.I0,
-        body.T[:, :k].copy(),
-        body.b[:k].copy(),
-        body.B[:k, :k].copy(),
-        body.g[:k].copy(),
-        body.G[:k, :k].copy(),
-        springs.stiffness[:k],
-        springs.damping[:k],
-    )
-
-
-@compilable
-def _static(body, omega, k):
-    """Return the modes of the piston from k on, without inertia."""
-    own = omega[k:]
-    return StaticModes(own * own, body.T[:, k:].copy(), body.b[k:].copy(), body.g[k:].copy())
-
-
-@compilable
-def _free(setup, k, omega):
-    """Return the frequencies of all modes but the first k of the piston [rad/s]."""
-    return np.concatenate(
-        (setup.piston_omega[k:], setup.block_omega, omega, omega, setup.shell_omega)
-    )
 
 
 @compilable

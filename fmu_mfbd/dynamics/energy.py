@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from ..mechanism.solution import arrow_product
+from .floating_frame import Arrow
 from .generalised_alpha import Motion
 
 
@@ -33,37 +35,13 @@ class EnergyLedger(NamedTuple):
     accounted: float
 
 
-class Momenta(NamedTuple):
-    """Products of M, shape (n,), with the rod's inertia except for `moving`.
-
-    Parameters
-    ----------
-    before, kept : ndarray
-        Of the velocities at the start, and at the end as the next step starts from it.
-    mean : ndarray
-        Of the mean acceleration.
-    moving : ndarray
-        Of the velocities of `kept`, without the rod.
-    """
-
-    before: np.ndarray
-    kept: np.ndarray
-    mean: np.ndarray
-    moving: np.ndarray
-
-
-@compiled
-def mean_acceleration(before: Motion, end: Motion) -> np.ndarray:
-    """Return the mean of the accelerations at both ends of a step, shape (n,)."""
-    return (before.acceleration + end.acceleration) / 2
-
-
 @compiled
 def energy_ledger(
     before: Motion,
     kept: Motion,
     end: Motion,
-    momenta: Momenta,
+    inertia: Arrow,
+    with_rod: Arrow,
     push: np.ndarray,
     driven: float,
     elastic: float,
@@ -81,12 +59,17 @@ def energy_ledger(
     ----------
     before, kept, end : Motion
         At the start; at the end, as the next step starts from it and as the equations hold.
-    momenta : Momenta
+    inertia, with_rod : Arrow
+        M, without and with the rod.
     push : ndarray, shape (n,)
         Generalised forces Q of all films [N], [N m], [kg^-1/2 N].
     driven, elastic : float
         Work along the bore's axis, energy of all modes [J].
     """
+    mean = (before.acceleration + end.acceleration) / 2
+    along = arrow_product(with_rod, mean)
+    began, ended = arrow_product(with_rod, before.velocity), arrow_product(with_rod, kept.velocity)
+    alone = arrow_product(inertia, kept.velocity)
     first = 0.0
     last = 0.0
     moving = 0.0
@@ -95,16 +78,16 @@ def energy_ledger(
     for k in range(len(push)):
         way = end.position[k] - before.position[k]
         work += push[k] * way  # Eq. (D11)
-        by_forces += way * momenta.mean[k]
-        first += before.velocity[k] * momenta.before[k]
-        last += kept.velocity[k] * momenta.kept[k]
-        moving += kept.velocity[k] * momenta.moving[k]
+        by_forces += way * along[k]
+        first += before.velocity[k] * began[k]
+        last += kept.velocity[k] * ended[k]
+        moving += kept.velocity[k] * alone[k]
     error = (last - first) / 2 - by_forces  # Eq. (D10)
     return EnergyLedger(moving / 2, elastic, work, error, driven, last / 2)
 
 
 @compiled
-def other_forces(inertia_force: np.ndarray, push: np.ndarray) -> np.ndarray:
+def other_forces(with_rod: Arrow, acceleration: np.ndarray, push: np.ndarray) -> np.ndarray:
     """Compute all forces on the motion across the bore except the film's, shape (n,).
 
     They are forces of springs, damping, gas, pin and rod. The part that the rod's inertia needs is
@@ -112,4 +95,4 @@ def other_forces(inertia_force: np.ndarray, push: np.ndarray) -> np.ndarray:
 
     Eq. (D15):  O = M q'' - Q
     """
-    return inertia_force - push  # Eq. (D15)
+    return arrow_product(with_rod, acceleration) - push  # Eq. (D15)

@@ -15,10 +15,10 @@ from ..mechanism.cylinder import BODY, EYE, film_of, floats, piston_of
 from ..mechanism.equations import friction_at
 from ..mechanism.laws import between, from_block, law_power
 from ..mechanism.loads import MOMENT, REACTION
-from ..mechanism.solution import Linearisation, arrow_product, solve_motion
+from ..mechanism.solution import Linearisation, solve_motion
 from .bdf2 import STATIC, auxiliary_after, limit_plays, predicted_of, reach_of
 from .block_force import BlockForce, block_force
-from .energy import EnergyLedger, Momenta, energy_ledger, mean_acceleration, other_forces
+from .energy import EnergyLedger, energy_ledger, other_forces
 from .floating_frame import TURN, X, Y
 from .gas_on_bore import wall_forces
 from .generalised_alpha import Motion
@@ -166,6 +166,8 @@ def end_of_step(
         loads.modal[k] -= by_gas[k]
     push = coordinate_forces(chain, loads, skirt)
     on_pin, rubbing_power = _pin_force(of, loads, own, on_pins.friction_power)
+    elastic, inertia = elastic_energy(of, kept.position), (of.inertia, of.with_rod)
+    ledger = energy_ledger(before, kept, end, *inertia, push, c.step * driven, elastic)
     by_laws = 0.0
     if len(chain.laws.kind) > 0:
         by_laws = law_power(chain, at, loads)
@@ -173,9 +175,9 @@ def end_of_step(
         end=end,
         kept=kept,
         auxiliary=carried,
-        ledger=_ledger(of, before, kept, end, push, c.step * driven),
-        other_forces=other_forces(arrow_product(of.with_rod, end.acceleration), push),
-        next_other_forces=other_forces(arrow_product(of.with_rod, kept.acceleration), push),
+        ledger=ledger,
+        other_forces=other_forces(of.with_rod, end.acceleration, push),
+        next_other_forces=other_forces(of.with_rod, kept.acceleration, push),
         guided=guided.height,
         side_force=-skirt.push[LATERAL],
         films=on_skirt,
@@ -275,19 +277,6 @@ def elastic_energy(of: BodySystem, position: np.ndarray) -> float:
         if of.kinds[m + k] != STATIC:
             total += chain.bodies.stiffness[k] * position[m + k] ** 2 / 2
     return total
-
-
-@compilable
-def _ledger(of, before, kept, end, by_films, driven):
-    """Return the energies at the end of a step; `driven` is the work along the driven motion."""
-    momenta = Momenta(
-        arrow_product(of.with_rod, before.velocity),
-        arrow_product(of.with_rod, kept.velocity),
-        arrow_product(of.with_rod, mean_acceleration(before, end)),
-        arrow_product(of.inertia, kept.velocity),
-    )
-    elastic = elastic_energy(of, kept.position)
-    return energy_ledger(before, kept, end, momenta, by_films, driven, elastic)
 
 
 @compilable

@@ -1,4 +1,7 @@
-"""Springs and dampers of modes: one damping ratio for slow modes, another for fast ones."""
+"""Springs and dampers of modes, and those that follow their load without inertia.
+
+Slow modes have one damping ratio, fast ones another.
+"""
 
 from typing import Any, NamedTuple
 
@@ -16,18 +19,12 @@ class ModalSprings(NamedTuple):
 
 
 @compilable
-def modal_springs(omega: np.ndarray, p: Any) -> ModalSprings:
-    """Return springs and dampers of modes (Eq. (I5)).
-
-    Parameters
-    ----------
-    omega : ndarray, shape (k,)
-        [rad/s]
-    p : Parameters
-    """
-    out = ModalSprings(omega * omega, np.empty(len(omega)))
-    put_damping(out.damping, out.stiffness, p)
-    return out
+def moving_modes(omega: np.ndarray, highest: float) -> int:
+    """Return the number of modes that have inertia, those up to a frequency [Hz]."""
+    count = 0
+    for one in omega:
+        count += one <= 2 * np.pi * highest
+    return count
 
 
 @compilable

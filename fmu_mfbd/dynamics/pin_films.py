@@ -4,7 +4,7 @@ Films stand in the order of `PIN_SURFACES` and `CRANK_SURFACES`, as the first el
 their fields are stacked, as the skirt's are.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,6 +31,7 @@ from ..mechanism.motion import ChainChange, ChainMotion
 from .bdf2 import STATIC
 from .floating_frame import TURN, X, Y
 from .generalised_alpha import Motion
+from .modal_damping import put_damping
 from .pin_shells import (
     Shell,
     own_bent,
@@ -47,9 +48,10 @@ from .system import BodySystem
 
 
 @compilable
-def undamp_static(kinds: np.ndarray, chain: Chain) -> None:
-    """Set the damping of modes without inertia to zero."""
+def damp_modes(kinds: np.ndarray, chain: Chain, p: Any) -> None:
+    """Overwrite the damping of all modes by Eq. (I5), 0 for modes without inertia."""
     m = chain.joints.tip.shape[1]
+    put_damping(chain.bodies.damping, chain.bodies.stiffness, p)
     for k in range(len(chain.bodies.damping)):
         if kinds[m + k] == STATIC:
             chain.bodies.damping[k] = 0.0

@@ -13,8 +13,8 @@ from ..geometry.film import NodalForces
 from ..geometry.space import Levers, levers, slope_around
 from ..mechanism.cylinder import BODY
 from .block_force import NO_FORCE
-from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
-from .floating_frame import TURN, Y
+from .energy import energy_ledger, other_forces
+from .floating_frame import TURN, Arrow, Y
 from .generalised_alpha import Coefficients, Motion, predict
 from .impact import UNLIMITED, Inertia, limit_memory, longest_step
 from .instant import Instant, load_of
@@ -129,9 +129,9 @@ class PistonInSpace(PistonInBore):
         self.coordinates = COORDINATES
         self.bodies = bodies
         self.around = tuple(slope_around(one.bore) for one in self.film_surfaces)
-        self.inertia = inertia(bodies)
-        self.with_rod = self.inertia.copy()
-        self.with_rod[:RIGID, :RIGID] += self.system.with_rod.top - self.system.inertia.top
+        self.inertia = Arrow(inertia(bodies), np.zeros((0, COORDINATES)), np.zeros(0))
+        self.with_rod = self.inertia._replace(top=self.inertia.top.copy())
+        self.with_rod.top[:RIGID, :RIGID] += self.system.with_rod.top - self.system.inertia.top
 
     def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> Instant:
         """Return everything at the end of a step, as `instant.end_of_step`."""
@@ -162,13 +162,7 @@ class PistonInSpace(PistonInBore):
         on_grids = self._films(guided, forces, nodal, parts, axial_velocity, end)
         driven = c.step * (skirt.axial * axial_velocity + on_grids.on_slopes * guided.velocity)
         films = np.array([*skirt.push, *across])
-        M = self.with_rod
-        momenta = Momenta(
-            M @ before.velocity,
-            M @ kept.velocity,
-            M @ mean_acceleration(before, end),
-            self.inertia @ kept.velocity,
-        )
+        M = self.inertia, self.with_rod
         pin_x, pin_y = lack.on_piston
         on_block, self._across = forces_on_block(self.bodies, load, end, lack)
         turning = on_grids.on_slopes * upright.lever
@@ -181,9 +175,9 @@ class PistonInSpace(PistonInBore):
             end=end,
             kept=kept,
             auxiliary=carried,
-            ledger=energy_ledger(before, kept, end, momenta, films, driven, 0.0),
-            other_forces=other_forces(M @ end.acceleration, films),  # Eq. (D15)
-            next_other_forces=other_forces(M @ kept.acceleration, films),
+            ledger=energy_ledger(before, kept, end, *M, films, driven, 0.0),
+            other_forces=other_forces(self.with_rod, end.acceleration, films),
+            next_other_forces=other_forces(self.with_rod, kept.acceleration, films),
             guided=guided.height,
             side_force=-skirt.push[LATERAL],
             films=on_grids,

@@ -18,9 +18,8 @@ from .drive import Scalars, scalars_of
 from .floating_frame import TURN
 from .gas_on_bore import WallPressures
 from .instant import Instant, end_of_step
-from .modal_damping import put_damping
 from .parameters import GAS_SOURCES, Settings
-from .pin_films import undamp_static
+from .pin_films import damp_modes
 from .response import Response, StepEnd, response
 from .skirt_films import skirt_slopes
 from .slider_crank import CrankMotion, driven, height, moved_inertia, side_force_demand
@@ -140,10 +139,8 @@ def modes_of(model: BodyModel) -> tuple[int, int]:
 
 @compilable
 def set_damping(model: BodyModel, p: Any) -> None:
-    """Overwrite the damping of all modes by Eq. (I5)."""
-    bodies = model.parts.chain.bodies
-    put_damping(bodies.damping, bodies.stiffness, p)
-    undamp_static(model.parts.kinds, model.parts.chain)
+    """Overwrite the damping of all modes."""
+    damp_modes(model.parts.kinds, model.parts.chain, p)
 
 
 # ---- a step

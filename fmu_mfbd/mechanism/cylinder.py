@@ -24,7 +24,6 @@ from ..dynamics.generalised_alpha import Motion
 from ..dynamics.modal_damping import ModalSprings
 from ..dynamics.pin_friction import put_pin_friction
 from ..dynamics.piston_motion import LATERAL, RIGID, ROCKING
-from ..dynamics.quasi_static import StaticModes
 from ..dynamics.slider_crank import CrankMotion, Mechanism
 from ..geometry.pin import PIN_SURFACES
 from .chain import BLOCK, IN_BLOCK, NONE, Bodies, Chain, Elements, Joints, Laws, put_tips
@@ -115,9 +114,8 @@ class CylinderParts(NamedTuple):
     Parameters
     ----------
     piston : FlexibleBody
-        With the modes that have inertia.
-    static : StaticModes
-        Its other modes.
+    moving : int
+        Number of its first modes, which have inertia.
     mechanism : Mechanism
     spin_inertia : float
         Of the pin about its axis [kg m2].
@@ -128,7 +126,7 @@ class CylinderParts(NamedTuple):
     floats, big_end, main_bearing : bool
         Which of pin, big end and main bearing have films.
     springs : ModalSprings
-        Of the static modes, of the block, of the pin's shapes and of the modes of all shells.
+        Of the block, of the pin's shapes and of the modes of all shells.
     block_modes, block_static : int
         Number of modes of the block, and of those without inertia at their end.
     shapes, big_end_modes, main_bearing_modes : int
@@ -139,7 +137,7 @@ class CylinderParts(NamedTuple):
     """
 
     piston: FlexibleBody
-    static: StaticModes
+    moving: int
     mechanism: Mechanism
     spin_inertia: float
     crank_mass: float
@@ -187,7 +185,7 @@ def _count(c):
 @compilable
 def _bodies_of(c, of_rod):
     """Return the inertia of crank, rod, pin and piston, with a share of that of crank and rod."""
-    n, k = _count(c), len(c.piston.stiffness)
+    n, k = _count(c), c.moving
     piston = n - 1
     rod, centre = of_rod * c.mechanism.rod_mass, c.mechanism.rod_centre * c.mechanism.rod_length
     masses, S, modes = np.zeros((2, n)), np.zeros((n, 2)), np.zeros((2, n + 1), np.int64)
@@ -212,10 +210,10 @@ def _bodies_of(c, of_rod):
         S=S,
         first_mode=modes[0],
         first_entry=modes[1],
-        T=np.concatenate((c.piston.T, c.static.T), axis=1),
-        b=np.concatenate((c.piston.b, c.static.b)),
-        g=np.concatenate((c.piston.g, c.static.g)),
-        coupling=np.concatenate((c.piston.B, c.piston.G)).reshape(2 * k * k),
+        T=c.piston.T.copy(),
+        b=c.piston.b.copy(),
+        g=c.piston.g.copy(),
+        coupling=np.concatenate((c.piston.B[:k, :k], c.piston.G[:k, :k])).reshape(2 * k * k),
         stiffness=np.concatenate((c.piston.stiffness, c.springs.stiffness)),
         damping=np.concatenate((c.piston.damping, c.springs.damping)),
     )
@@ -325,7 +323,7 @@ def _elements_of(c, plays, first):
         point=np.zeros((n, 2)),
         at_point=np.zeros(n),
     )
-    k = len(c.piston.stiffness) + len(c.static.stiffness)
+    k = len(c.piston.stiffness)
     bent = first + k + c.block_modes
     eye = bent + 2 * c.shapes
     main = first + len(c.piston.stiffness) + len(c.springs.stiffness) - c.main_bearing_modes
@@ -416,10 +414,10 @@ def integrators(c: CylinderParts, chain: Chain) -> np.ndarray:
     out = np.zeros(m + len(chain.bodies.stiffness))
     for j in chain.joints.slide:
         out[j] = BY_BDF2
-    of_skirt = len(c.piston.stiffness) + len(c.static.stiffness) + c.block_modes
+    of_skirt = len(c.piston.stiffness) + c.block_modes
     out[m if c.floats else m + of_skirt :] = BY_BDF2
     last = m + of_skirt
-    out[m + len(c.piston.stiffness) : last - c.block_modes] = STATIC
+    out[m + c.moving : last - c.block_modes] = STATIC
     out[last - c.block_static : last] = STATIC
     return out
 

@@ -29,7 +29,6 @@ from piston_cosim.fmu_mfbd.mechanism.solution import (
 from piston_cosim.master.fmi.block import row_of
 from piston_cosim.master.fmi.native_code import RAW
 from piston_cosim.tests.verification.cases.links import Element, Link, chain_of, play
-from piston_cosim.tests.verification.cases.tied import NO_STATIC
 
 from ..command import script
 from . import chain_entry
@@ -149,7 +148,7 @@ def test_a_cylinder_is_the_chain_by_names(modes):
     own = cylinder_chain(
         CylinderParts(
             piston=piston,
-            static=NO_STATIC,
+            moving=modes,
             mechanism=MECHANISM,
             spin_inertia=SPIN_INERTIA,
             crank_mass=CRANK_MASS,

@@ -8,7 +8,6 @@ from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
 from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
 from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
-from piston_cosim.fmu_mfbd.dynamics.quasi_static import StaticModes
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.mechanism.chain import Chain, Loads
 from piston_cosim.fmu_mfbd.mechanism.cylinder import CylinderParts, cylinder_chain
@@ -19,7 +18,6 @@ from piston_cosim.fmu_mfbd.mechanism.motion import chain_motion
 PISTON, SKIRT, GAS = 2, 0, 1
 """Number of the body, and numbers of the force elements on it."""
 NONE = np.zeros(0)
-NO_STATIC = StaticModes(NONE, np.zeros((2, 0)), NONE, NONE)
 
 
 def tied_pin(piston: FlexibleBody, mechanism: Mechanism, unbalance: float) -> Chain:
@@ -31,7 +29,7 @@ def tied_parts(piston: FlexibleBody, mechanism: Mechanism, unbalance: float) -> 
     """Return the parts of this chain."""
     return CylinderParts(
         piston=piston,
-        static=NO_STATIC,
+        moving=len(piston.stiffness),
         mechanism=mechanism,
         spin_inertia=0.0,
         crank_mass=0.0,
