@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from piston_cosim.fmu_mfbd.dynamics import assembly, element_laws
 from piston_cosim.fmu_mfbd.dynamics.assembly import model_of
 from piston_cosim.fmu_mfbd.dynamics.bore_from_outside import periodic_rule
 from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
@@ -28,6 +29,7 @@ from piston_cosim.fmu_mfbd.dynamics.slider_crank import height
 from piston_cosim.fmu_mfbd.dynamics.start_state import check_start, read_start
 from piston_cosim.fmu_mfbd.dynamics.step import others_at
 from piston_cosim.fmu_mfbd.dynamics.system import skirt_modes
+from piston_cosim.fmu_mfbd.force_elements.land_contact import LAND_CONTACT, LandParameters
 from piston_cosim.fmu_mfbd.geometry.pin import turned
 from piston_cosim.fmu_mfbd.mechanism.cylinder import piston_of
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
@@ -295,14 +297,28 @@ def test_derivatives_with_a_bore_from_outside_are_differences():
 # ---- a start from a snapshot
 
 
-@pytest.mark.parametrize("name", ["all flexible", "tied, rubbing, all flexible", "bending"])
-def test_a_start_from_outputs_is_the_motion_that_they_show(name, tmp_path):
+@pytest.fixture
+def sliding(monkeypatch):
+    """Model whose piston slides freely along the bore in its joint on the rod."""
+    monkeypatch.setattr(assembly, "SLIDES", {"rise": LAND_CONTACT})
+    monkeypatch.setattr(element_laws, "OF_SLIDE", np.array([0]))
+    monkeypatch.setattr(element_laws, "WAYS", np.array([[0.0, 1.0]]))
+    piston, block, *_ = bodies()
+    built = replace(options(False), slides=("rise",))
+    return assembly.assemble(piston, block, built, PARAMETERS, [LandParameters()])
+
+
+@pytest.mark.parametrize(
+    "name", ["all flexible", "tied, rubbing, all flexible", "bending", "sliding"]
+)
+def test_a_start_from_outputs_is_the_motion_that_they_show(name, tmp_path, request):
     """Positions and velocities are those of the state, and so are films and forces of its instant.
 
     The file holds the outputs as `results snapshot` writes them.
     """
-    model = MODELS[name]()
+    model = MODELS[name]() if name in MODELS else request.getfixturevalue(name)
     state, out = rough_way(model, 6)
+    assert name != "sliding" or out["rise"] == out["bearing_coordinate"].item() < -1e-6
     path = tmp_path / "start.json"
     path.write_text(json.dumps({key: np.asarray(one).tolist() for key, one in out.items()}))
     start = read_start(path)

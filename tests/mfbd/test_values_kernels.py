@@ -1,16 +1,20 @@
 """Numbers by hand of single parts of the bodies: frame, rod, splines, gas, elements."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures
+from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, bore_wall
+from piston_cosim.fmu_mfbd.dynamics.instant import gas_on_modes
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
     CrankMotion,
     Mechanism,
+    height,
     moved_inertia,
     side_force_demand,
 )
-from piston_cosim.fmu_mfbd.dynamics.system import OtherForces, RingForce
+from piston_cosim.fmu_mfbd.dynamics.system import NO_RINGS, OtherForces, RingForce
 from piston_cosim.fmu_mfbd.dynamics.tables import gas_pressure, gas_table, inline_numbers
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     corner_stress,
@@ -27,6 +31,22 @@ from piston_cosim.tests.verification.cases.bodies import box_mesh
 def near(value, rel=1e-12):
     """Round-off."""
     return pytest.approx(value, rel=rel, abs=0.0)
+
+
+def test_height_of_the_pin_by_triangles():
+    """A crank of 3 m and a rod of 5 m reach 8 m; across, the rod rises by 4 m."""
+    rod = Mechanism(3.0, 5.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    np.testing.assert_allclose(height(rod, 0.0, 0.0), [8.0, 0.0, 0.0], atol=1e-14)
+    np.testing.assert_allclose(height(rod, 0.0, np.pi / 2), [4.0, -0.75, -3.0], rtol=1e-14)
+
+
+def test_gas_pushes_the_crown_and_widens_the_bore():
+    """Forces on a mode of the piston, and on an even one of a bore of 0.2 m, 0.15 m under gas."""
+    wall = bore_wall(np.linspace(0.0, 0.2, 5), np.ones((8, 5, 1)), 0.04, 0.05, 0.02)
+    system = SimpleNamespace(gas_force=np.array([3.0]), wall=wall)
+    others = OtherForces(5e3, NO_RINGS, WallPressures(2e6, 0.0))
+    on_bore = 2e6 * 2 * np.pi * 0.04 * 0.15
+    np.testing.assert_allclose(gas_on_modes(system, 0.0, others), [15e3, on_bore], rtol=1e-12)
 
 
 @pytest.mark.parametrize("phi", [0.4, 2.0, 4.4])
