@@ -97,10 +97,8 @@ OfFilms = Annotated[np.ndarray, "films"]
 
 
 class OutputPlaces(NamedTuple):
-    """Positions of outputs that are not scalars of a step, and of two that are."""
+    """Positions of outputs that are not scalars of a step."""
 
-    cylinder_pressure: int
-    side_force_demand: int
     modal_coordinate: int
     modal_velocity: int
     bearing_coordinate: int
@@ -326,7 +324,7 @@ def publish(real, integer, counts, places, model, result):
     now = result.instant
     put_each(real, places.scalars, result.scalars)
     put_each(real, places.pin_scalars, now.pin_scalars)
-    put_each(real, places.on_block, result.on_block)
+    put_each(real, places.on_block, now.on_block)
     put_films(real, places.skirt, now.films.film_thickness, now.films.sliding_velocity)
     put_films(real, places.pins, now.pin_film_thickness, now.circumferential_velocity)
     scatter(real, places.walls.oil, places.walls.oil_cells, result.oil_temperature)
@@ -339,8 +337,6 @@ def publish(real, integer, counts, places, model, result):
     put_stacked(real, outputs.bearing_coordinate, of_bearings(parts, now.end.position))
     put_stacked(real, outputs.bearing_velocity, of_bearings(parts, now.kept.velocity))
     put_each(real, places.slides, slides_at(parts, now.end.position, len(places.slides)))
-    real[outputs.cylinder_pressure] = result.others.wall.chamber
-    real[outputs.side_force_demand] = result.side_force_demand
     counts[0] += now.evaluations
     counts[1] += now.tangents
     integer[outputs.residual_evaluations] = int(counts[0])

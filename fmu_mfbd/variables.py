@@ -165,15 +165,6 @@ class PinOutputs(NamedTuple):
     """Circumferential velocity of the pin relative to the shell, positive with ascending i."""
 
 
-class OtherOutputs(NamedTuple):
-    """Outputs of all body FMUs besides `Scalars`: unit and nominal value."""
-
-    side_force_demand: Annotated[float, "N", 1e3]
-    """Side-force demand of gas, rings and inertia, for a rigid piston in the middle of the bore."""
-    cylinder_pressure: Annotated[float, "Pa", 1e6]
-    """Current gauge pressure on the crown."""
-
-
 class WorkOutputs(NamedTuple):
     """Check of each film: unit."""
 
@@ -312,7 +303,6 @@ def outputs(
         *(one for film in films for one in declared(SkirtOutputs, output_variable, *film)),
         *(one for pin in pins for one in declared(PinOutputs, output_variable, *pin)),
         *declared(Scalars),
-        *declared(OtherOutputs),
         *(
             one
             for film in (*films, *pins)

@@ -13,8 +13,8 @@ from ..mechanism.chain import Bodies
 from .account import EnergyAccount
 from .instant import Instant
 from .piston_motion import LATERAL, ROCKING
-from .slider_crank import CrankMotion
-from .system import BodySystem
+from .slider_crank import side_force_demand
+from .system import BodySystem, StepProblem, rigid_piston
 
 
 class Scalars(NamedTuple):
@@ -82,6 +82,10 @@ class Scalars(NamedTuple):
     """Longest step that resolves the motion across the bore; if it is shorter than the last step,
     that step can be repeated in parts.
     """
+    side_force_demand: Annotated[float, "N", 1e3]
+    """Side-force demand of gas, rings and inertia, for a rigid piston in the middle of the bore."""
+    cylinder_pressure: Annotated[float, "Pa", 1e6]
+    """Current gauge pressure on the crown."""
 
 
 @compilable
@@ -122,23 +126,24 @@ def skirt_edges(surfaces: np.ndarray) -> tuple[float, float]:
 @compilable
 def scalars_of(
     now: Instant,
-    crank: CrankMotion,
+    problem: StepProblem,
     drive: tuple[float, float],
     energy: EnergyAccount,
     system: BodySystem,
     warm: tuple[float, float],
-    step: float,
 ) -> Scalars:
-    """Return the scalar outputs at an instant, the end of a step [s], or a start with step 0.
+    """Return the scalar outputs at an instant, the end of a step, or a start with step 0.
 
     `drive` contains torque [N m] and effective inertia [kg m2], `warm` the change of the film
     thickness with temperatures [m] and the work of the films on it [J].
     """
+    step, crank, others = problem.coefficients.step, problem.crank, problem.others
     per_second = 1.0 / step if step > 0.0 else 0.0
     torque, inertia = drive
     opening, warm_work = warm
     lateral, rocking = now.kept.velocity[LATERAL], now.kept.velocity[ROCKING]
     lower, upper = skirt_edges(system.surfaces)
+    mass = rigid_piston(system).mass
     return Scalars(
         crank_angle=crank.angle,
         rotation_speed=crank.speed,
@@ -168,4 +173,6 @@ def scalars_of(
         power_size=per_second * energy.exchanged,
         thermal_opening=opening,
         longest_step=now.longest_step,
+        side_force_demand=side_force_demand(system.mechanism, mass, others, crank),
+        cylinder_pressure=others.wall.chamber,
     )

@@ -364,9 +364,7 @@ class PistonInBore:
             **{f"{one.prefix}sliding_velocity": np.zeros(one.shape) for one in self.grids},
             **{f"{one.prefix}interface_work_error": float(error) for one, error in errors},
             **result.scalars._asdict(),
-            **result.on_block._asdict(),
-            "cylinder_pressure": result.others.wall.chamber,
-            "side_force_demand": result.side_force_demand,
+            **now.on_block._asdict(),
             "residual_evaluations": self.residual_evaluations,
             "jacobian_evaluations": self.jacobian_evaluations,
         }

@@ -21,7 +21,7 @@ from .generalised_alpha import Coefficients, Motion
 from .instant import of_skirt
 from .pin_films import film_pushes, held_forces, pin_changes
 from .piston_motion import LATERAL, RIGID, ROCKING, Load
-from .skirt_films import Change, forces_by_film, skirt_changes, skirt_slopes, together
+from .skirt_films import forces_by_film, skirt_changes, skirt_slopes, together
 from .slider_crank import CrankMotion
 from .system import BodySystem, RingForce
 
@@ -138,9 +138,7 @@ def response(
         on_block[TURN] -= lever * pushed_along  # Eq. (D70)
         from_walls[Y] += pushed_along
     place, speed = of_skirt(of, moved.position), of_skirt(of, moved.velocity)
-    piston = Change(place[:first], speed[:first])
-    bore = Change(place[first:], speed[first:])
-    on_skirt = skirt_changes(of, guided, rising, piston, bore)
+    on_skirt = skirt_changes(of, guided, rising, place, speed)
     on_pins = pin_changes(of, at, end, moved, bodies)
     return Response(
         on_skirt.film_thickness,

@@ -31,13 +31,6 @@ class AxialMotion(NamedTuple):
     velocity: float
 
 
-class Change(NamedTuple):
-    """Changes of coordinates and their velocities at the end of a step, shape (k,)."""
-
-    position: np.ndarray
-    velocity: np.ndarray
-
-
 @compiled
 def cells_of(surface: FilmSurface) -> int:
     """Return the number of cells of a film, of which the grid may have half."""
@@ -254,7 +247,7 @@ class FilmChange(NamedTuple):
 
 @compiled
 def skirt_changes(
-    system: BodySystem, guided: float, rising: float, piston: Change, block: Change
+    system: BodySystem, guided: float, rising: float, position: np.ndarray, velocity: np.ndarray
 ) -> FilmChange:
     """Return the change of all films of the skirt with the bodies' coordinates.
 
@@ -265,10 +258,10 @@ def skirt_changes(
         Height at which the bore is read [m].
     rising : float
         Change of A's axial velocity [m/s].
-    piston, block : Change
-        Of [x_A, rocking angle, modes], and of the block's modes.
+    position, velocity : ndarray, shape (n,)
+        Changes of x_A, rocking angle, modes of piston and block.
     """
-    films = count_of(system.surfaces)
+    films, modes = count_of(system.surfaces), RIGID + len(system.gas_force)
     cells = 0
     for s in range(films):
         cells += cells_of(surface_at(system.surfaces, s))
@@ -281,19 +274,19 @@ def skirt_changes(
             surface.skirt,
             surface.bore,
             window,
-            piston.position[LATERAL],
-            piston.position[ROCKING],
-            piston.position[RIGID:],
-            block.position,
+            position[LATERAL],
+            position[ROCKING],
+            position[RIGID:modes],
+            position[modes:],
         )
         slid = sliding(
             surface.skirt,
             surface.bore,
             window,
             rising,
-            piston.velocity[ROCKING],
-            piston.velocity[RIGID:],
-            block.velocity,
+            velocity[ROCKING],
+            velocity[RIGID:modes],
+            velocity[modes:],
         )
         stack_film(out.film_thickness, first, surface, opened)
         stack_film(out.sliding_velocity, first, surface, slid)

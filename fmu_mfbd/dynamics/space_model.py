@@ -39,7 +39,6 @@ from .piston_motion import LATERAL, RIGID, ROCKING
 from .response import Response, load_change
 from .skirt_films import (
     AxialMotion,
-    Change,
     FilmParts,
     SkirtFilms,
     forces_by_film,
@@ -356,8 +355,8 @@ class PistonInSpace(PistonInBore):
         (x, y), (passing, _, _) = at.arm[-1], at.velocity[-1] - at.velocity[BODY.rod]
         steeper = (x * x + y * y) / y**3 * passing
         rising = -x / y * speed[LATERAL] - steeper * place[LATERAL]
-        in_plane, none = Change(place[:RIGID], speed[:RIGID]), np.zeros(0)
-        flat = skirt_changes(system, guided, rising, in_plane, Change(none, none))
+        none = np.zeros(0)
+        flat = skirt_changes(system, guided, rising, place[:RIGID], speed[:RIGID])
         return Response(
             flat.film_thickness + on_cells(side.opening(place[IN_SPACE]) for side in sides),
             flat.sliding_velocity + on_cells(side.sliding * speed[ROLL] for side in sides),

@@ -11,7 +11,6 @@ from ..geometry.pin import PinForces
 from ..mechanism.derivative import drive_inertia
 from .account import EnergyAccount, account
 from .bdf2 import reach_of
-from .block_force import BlockForce
 from .carrier import Carrier, carrier_from
 from .contradictions import FAULT
 from .drive import Scalars, scalars_of
@@ -22,7 +21,7 @@ from .parameters import GAS_SOURCES, Settings
 from .pin_films import damp_modes
 from .response import Response, StepEnd, response
 from .skirt_films import skirt_slopes
-from .slider_crank import CrankMotion, driven, height, moved_inertia, side_force_demand
+from .slider_crank import CrankMotion, driven, height, moved_inertia
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, state_at
 from .system import BodySystem, OtherForces, RingForce, StepProblem, rigid_piston, skirt_modes
@@ -116,9 +115,6 @@ class StepResult(NamedTuple):
 
     instant: Instant
     scalars: Scalars
-    others: OtherForces
-    side_force_demand: float
-    on_block: BlockForce
     state: PistonState
     last: StepEnd
     oil_temperature: np.ndarray
@@ -344,18 +340,7 @@ def result_of(
     inertia = settings.crank_inertia + moved_inertia(system.mechanism, mass, step.crank.angle)
     return StepResult(
         now,
-        scalars_of(
-            now,
-            step.crank,
-            (torque, inertia),
-            energy,
-            system,
-            (opening, warm_work),
-            step.coefficients.step,
-        ),
-        step.others,
-        side_force_demand(system.mechanism, mass, step.others, step.crank),
-        now.on_block,
+        scalars_of(now, step, (torque, inertia), energy, system, (opening, warm_work)),
         state,
         last,
         warmth.oil,
