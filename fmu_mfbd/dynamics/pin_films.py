@@ -27,7 +27,7 @@ from ..geometry.surfaces import pin_surface_at, pins_of
 from ..mechanism.chain import Chain, Loads
 from ..mechanism.cylinder import EYE, floats
 from ..mechanism.loads import MOMENT, REACTION, HeldForces, no_forces
-from ..mechanism.motion import ChainChange, ChainMotion
+from ..mechanism.motion import ChainMotion, MotionChanges
 from .bdf2 import STATIC
 from .floating_frame import TURN, X, Y
 from .generalised_alpha import Motion
@@ -245,7 +245,7 @@ def pin_films(
 
 @compilable
 def pin_changes(
-    of: BodySystem, at: ChainMotion, end: Motion, moved: Motion, bodies: ChainChange
+    of: BodySystem, at: ChainMotion, end: Motion, moved: Motion, bodies: MotionChanges
 ) -> FilmChange:
     """Return the change of all films of pin and crank with a change of coordinates and bodies."""
     cells = 0

@@ -7,7 +7,7 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.pin import ModeMotion, across, axes_of, in_axes, pair
 from ..mechanism.chain import Elements
-from ..mechanism.motion import ChainChange, ChainMotion
+from ..mechanism.motion import ChainMotion, MotionChanges
 from .floating_frame import TURN
 from .generalised_alpha import Motion
 
@@ -128,11 +128,11 @@ class ShellChange(NamedTuple):
 
 
 @compilable
-def shell_change(elements: Elements, moved: Motion, bodies: ChainChange, e: int) -> ShellChange:
+def shell_change(elements: Elements, moved: Motion, bodies: MotionChanges, e: int) -> ShellChange:
     """Return the change of the shell of film e with a change of all coordinates and bodies."""
     shell = elements.reacts[e]
-    turn, turning = 0.0, bodies.velocity[elements.acts[e], TURN]
+    turn, turning = 0.0, bodies.velocity[elements.acts[e], TURN, 0]
     if shell >= 0:
-        turn = bodies.position[shell, TURN]
-        turning -= bodies.velocity[shell, TURN]
+        turn = bodies.position[shell, TURN, 0]
+        turning -= bodies.velocity[shell, TURN, 0]
     return ShellChange(play_at(elements.play[e], moved.position), turn, turning)

@@ -124,7 +124,7 @@ def response(
     acceleration = -solve_coupled(chain.bodies, at, block, by, own.factors, pushed.residual)
     moved = Motion(by.position * acceleration, by.velocity * acceleration, acceleration)
     bodies = changes_along(motion_changes(chain.joints, at, by), acceleration)
-    rising = bodies.velocity[piston_of(chain), Y]
+    rising = bodies.velocity[piston_of(chain), Y, 0]
     on_block = own.on_block @ acceleration
     for k in range(len(on_block)):
         on_block[k] += pushed.on_block[k]  # Eq. (D20)

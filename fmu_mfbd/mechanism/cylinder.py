@@ -27,7 +27,7 @@ from ..dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from ..dynamics.slider_crank import CrankMotion, Mechanism
 from ..geometry.pin import PIN_SURFACES
 from .chain import BLOCK, IN_BLOCK, NONE, Bodies, Chain, Elements, Joints, Laws, put_tips
-from .derivative import chain_tangent
+from .derivative import chain_derivative
 from .equations import chain_forces
 from .loads import no_loads
 from .motion import Increments
@@ -450,7 +450,7 @@ def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
     loads = no_loads(chain)
     forces = chain_forces(chain, loads, still, CrankMotion(0.0, 0.0, 0.0), FIXED)
     by = Increments(none, none, np.ones(m + k))
-    arrow = chain_tangent(chain, loads, still, forces, by)  # Eqs. (D22), (D35)
+    arrow = chain_derivative(chain, loads, still, forces, by).arrow  # Eqs. (D22), (D35)
     kinds = integrators(c, chain)
     for i in range(k):
         if kinds[m + i] == STATIC:

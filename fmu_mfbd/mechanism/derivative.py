@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.carrier import Carrier
+from ..dynamics.carrier import FIXED, Carrier
 from ..dynamics.floating_frame import TURN, Arrow, X, Y
 from ..dynamics.generalised_alpha import Motion
 from ..dynamics.slider_crank import CrankMotion
@@ -19,7 +19,7 @@ from .equations import (
     point_of,
     subtract_loads,
 )
-from .inertia import ALPHA, AX, AY, W, inertia_changes, shaken_forces
+from .inertia import inertia_changes, shaken_forces
 from .laws import subtract_law_changes
 from .motion import Increments, MotionChanges, chain_motion, motion_changes, no_changes
 from .translations import add_slide_row_changes
@@ -35,23 +35,12 @@ class ChainDerivative(NamedTuple):
     torque : ndarray, shape (m + k,)
     on_block : ndarray, shape (3, m + k)
     motion : MotionChanges
-    frames : ndarray, shape (n, 4, m)
-        Of acceleration, angular acceleration and angular velocity of all frames.
     """
 
     arrow: Arrow
     torque: np.ndarray
     on_block: np.ndarray
     motion: MotionChanges
-    frames: np.ndarray
-
-
-@compilable
-def chain_tangent(
-    chain: Chain, loads: Loads, now: Motion, forces: ChainForces, by: Increments
-) -> Arrow:
-    """Return the derivative of the residual; see `chain_derivative`."""
-    return chain_derivative(chain, loads, now, forces, by).arrow
 
 
 @compilable
@@ -93,9 +82,7 @@ def chain_derivative(
     for i in range(3):
         for j in range(len(torque)):
             total[i, j] = -total[i, j]
-    return ChainDerivative(
-        Arrow(top, changes.left, changes.diagonal), torque, total, d, changes.frames
-    )
+    return ChainDerivative(Arrow(top, changes.left, changes.diagonal), torque, total, d)
 
 
 @compilable
@@ -222,21 +209,10 @@ def _rub_changes(joints, at, force, b, d, change):
 
 
 class PushedForces(NamedTuple):
-    """Change of `ChainForces` without a change of the motion in the block.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (m + k,)
-    torque : float
-    on_block : ndarray, shape (3,)
-    frames : ndarray, shape (n, 4, 1)
-        Of acceleration, angular acceleration and angular velocity of all frames.
-    """
+    """Change of residual (m + k,) and force on the block (3,) without a change of the motion."""
 
     residual: np.ndarray
-    torque: float
     on_block: np.ndarray
-    frames: np.ndarray
 
 
 @compilable
@@ -261,10 +237,7 @@ def pushed_forces(
     at = forces.motion
     n, m = chain.joints.tip.shape
     still = no_changes(chain.joints)
-    shaken = np.empty((4, 1))
-    shaken[AX, 0], shaken[AY, 0] = given.ax, given.ay
-    shaken[ALPHA, 0], shaken[W, 0] = given.alpha, given.w
-    inertia = shaken_forces(chain.bodies, at, forces.inertia, still, shaken)
+    inertia = shaken_forces(chain.bodies, at, forces.inertia, still, given)
     total = _total_change(at, forces.inertia.wrench, still, inertia.wrench)
     push, top = np.zeros((n, 3)), np.zeros((m, 1))
     subtract_loads(chain.elements, loads.wrench, at, push)
@@ -277,7 +250,7 @@ def pushed_forces(
     total[TURN, 0] -= torque
     for e in range(len(loads.on_shapes) if loads.on_shapes.shape[1] > 0 else 0):
         total[TURN, 0] += moment_of_shapes(chain.elements, loads, now, e)
-    return PushedForces(residual, torque, -total[:, 0], inertia.frames)
+    return PushedForces(residual, -total[:, 0])
 
 
 @compilable
@@ -303,6 +276,6 @@ def drive_inertia(chain: Chain, forces: ChainForces, now: Motion, drive: CrankMo
     for b in range(n):
         for i in range(3):
             d.acceleration[b, i, 0] = rates[b, i]
-    change = shaken_forces(chain.bodies, at, forces.inertia, d, np.zeros((4, 1))).wrench
+    change = shaken_forces(chain.bodies, at, forces.inertia, d, FIXED).wrench
     (torque,) = _inward_changes(chain.joints, at, forces.joints, d, change, np.zeros((m, 1)))
     return torque

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.carrier import Carrier, transport
+from ..dynamics.carrier import FIXED, Carrier, transport
 from ..dynamics.floating_frame import TURN, X, Y
 from ..dynamics.generalised_alpha import Motion
 from ..geometry.arrays import Matrix, Vector
@@ -87,14 +87,11 @@ class InertiaChanges(NamedTuple):
         Of the forces on modes by the unknowns of joints and block.
     diagonal : ndarray, shape (k,)
         Of the force on each mode by its own unknown.
-    frames : ndarray, shape (n, 4, m)
-        Of ax, ay, alpha and w of all frames.
     """
 
     wrench: np.ndarray
     left: np.ndarray
     diagonal: np.ndarray
-    frames: np.ndarray
 
 
 @compilable
@@ -272,18 +269,15 @@ def inertia_changes(
     """
     n, _, m = d.position.shape
     k = len(bodies.stiffness)
-    out = InertiaChanges(
-        np.zeros((n, 3, m + k)), np.zeros((k, m)), np.empty(k), np.empty((n, 4, m))
-    )
-    _put_frame_changes(at, forces, d, np.zeros((4, m)), out.frames)
-    _put_joint_columns(bodies, at, forces, d, out)
+    out = InertiaChanges(np.zeros((n, 3, m + k)), np.zeros((k, m)), np.empty(k))
+    _put_joint_columns(bodies, at, forces, d, FIXED, out)
     _put_modal_columns(bodies, at, now, m, forces, by, out)
     return out
 
 
 @compilable
 def shaken_forces(
-    bodies: Bodies, at: ChainMotion, forces: InertiaForces, d: MotionChanges, shaken: np.ndarray
+    bodies: Bodies, at: ChainMotion, forces: InertiaForces, d: MotionChanges, shaken: Carrier
 ) -> InertiaChanges:
     """Compute the derivative of `inertia_forces` in m directions of motion and of a block's motion.
 
@@ -293,8 +287,8 @@ def shaken_forces(
         As for `inertia_forces`.
     forces : InertiaForces
     d : MotionChanges
-    shaken : ndarray, shape (4, m)
-        Change of ax, ay, alpha and w of the block.
+    shaken : Carrier
+        Change of the motion of the block in each of them.
 
     Returns
     -------
@@ -302,41 +296,40 @@ def shaken_forces(
         With zero shapes of what belongs to the unknowns of modes.
     """
     n, _, m = d.position.shape
-    out = InertiaChanges(
-        np.zeros((n, 3, m)), np.zeros((len(bodies.stiffness), m)), np.empty(0), np.empty((n, 4, m))
-    )
-    _put_frame_changes(at, forces, d, shaken, out.frames)
-    _put_joint_columns(bodies, at, forces, d, out)
+    out = InertiaChanges(np.zeros((n, 3, m)), np.zeros((len(bodies.stiffness), m)), np.empty(0))
+    _put_joint_columns(bodies, at, forces, d, shaken, out)
     return out
 
 
 @compilable
-def _put_frame_changes(at, forces, d, shaken, out):
-    """Write the change of ax, ay, alpha and w of all frames with motion and that of the block."""
-    w, alpha = forces.carrier.w, forces.carrier.alpha
-    for b in range(len(out)):
+def _frame_changes(at, forces, d, shaken):
+    """Return the change of ax, ay, alpha and w of all frames with motion and that of the block."""
+    w, alpha, da, dw = forces.carrier.w, forces.carrier.alpha, shaken.alpha, shaken.w
+    n, _, m = d.position.shape
+    out = np.empty((n, 4, m))
+    for b in range(n):
         c, s = at.axes[b, 0], at.axes[b, 1]
         x, y, vx, vy = at.position[b, X], at.position[b, Y], at.velocity[b, X], at.velocity[b, Y]
         ax, ay = forces.frames[b, AX], forces.frames[b, AY]
-        for j in range(out.shape[2]):
+        for j in range(m):
             # Eq. (K14)
             px, py = d.position[b, X, j], d.position[b, Y, j]
-            da, dw = shaken[ALPHA, j], shaken[W, j]
             dx = d.acceleration[b, X, j] - alpha * py - w * w * px - 2 * w * d.velocity[b, Y, j]
             dy = d.acceleration[b, Y, j] + alpha * px - w * w * py + 2 * w * d.velocity[b, X, j]
-            dx += shaken[AX, j] - da * y - 2 * dw * (w * x + vy)
-            dy += shaken[AY, j] + da * x - 2 * dw * (w * y - vx)
+            dx += shaken.ax - da * y - 2 * dw * (w * x + vy)
+            dy += shaken.ay + da * x - 2 * dw * (w * y - vx)
             t = d.position[b, TURN, j]  # the axes turn
             out[b, AX, j] = c * dx + s * dy + ay * t
             out[b, AY, j] = c * dy - s * dx - ax * t
             out[b, ALPHA, j] = d.acceleration[b, TURN, j] + da
             out[b, W, j] = d.velocity[b, TURN, j] + dw
+    return out
 
 
 @compilable
-def _put_joint_columns(bodies, at, forces, d, out):
+def _put_joint_columns(bodies, at, forces, d, shaken, out):
     """Write the change of all forces with the change of all frames."""
-    frames = out.frames
+    frames = _frame_changes(at, forces, d, shaken)
     for b in range(len(frames)):
         f = frame_state(forces.frames, b)
         c, s = at.axes[b, 0], at.axes[b, 1]

@@ -14,7 +14,7 @@ from ..force_elements import FORCE_ELEMENTS
 from ..force_elements.element import PointForce, PointMotion
 from .chain import BLOCK, Chain, Elements, Loads
 from .equations import point_of
-from .motion import ChainChange, ChainMotion, Increments, MotionChanges
+from .motion import ChainMotion, MotionChanges
 
 RATES = 3
 """Position of the first rate in a `PointMotion`."""
@@ -216,7 +216,7 @@ def between(chain: Chain, loads: Loads, body: int, other: int) -> np.ndarray:
 
 @compilable
 def from_block_changes(
-    elements: Elements, law_slopes: np.ndarray, at: ChainMotion, bodies: ChainChange
+    elements: Elements, law_slopes: np.ndarray, at: ChainMotion, d: MotionChanges
 ) -> np.ndarray:
     """Return the change of `from_block` with a change of the motion of all bodies, (2,) [N].
 
@@ -224,13 +224,6 @@ def from_block_changes(
     """
     out, by = np.zeros(2), np.zeros(2 * RATES)
     first = len(elements.acts) - len(law_slopes)
-    shape, none = (len(bodies.position), RATES, 1), np.zeros(0)
-    d = MotionChanges(
-        bodies.position.reshape(shape),
-        bodies.velocity.reshape(shape),
-        np.zeros(shape),
-        Increments(none, none, none),
-    )
     for k in range(len(law_slopes)):
         if elements.reacts[first + k] < 0:
             own = relative_motion(elements, at, first + k)

@@ -76,18 +76,6 @@ def no_changes(joints: Joints) -> MotionChanges:
     return MotionChanges(zeros[0], zeros[1], zeros[-1], Increments(none, none, none))
 
 
-class ChainChange(NamedTuple):
-    """Change of position and velocity of all n bodies; angles are the third column.
-
-    Parameters
-    ----------
-    position, velocity : ndarray, shape (n, 3)
-    """
-
-    position: np.ndarray
-    velocity: np.ndarray
-
-
 @compilable
 def chain_motion(joints: Joints, now: Motion, drive: CrankMotion) -> ChainMotion:
     """Compute the motion of all bodies in the block's axes.
@@ -140,13 +128,14 @@ def motion_changes(joints: Joints, at: ChainMotion, by: Increments) -> MotionCha
 
 
 @compilable
-def changes_along(d: MotionChanges, x: np.ndarray) -> ChainChange:
-    """Return the change of the motion of all bodies with a change x of m unknowns."""
+def changes_along(d: MotionChanges, x: np.ndarray) -> MotionChanges:
+    """Return the change of positions and velocities with a change x of m unknowns, m = 1."""
     n, rows, m = d.position.shape
-    out = ChainChange(np.zeros((n, rows)), np.zeros((n, rows)))
+    tables = np.zeros((3, n, rows, 1))
+    out = MotionChanges(tables[0], tables[1], tables[-1], d.by)
     for b in range(n):
         for row in range(rows):
             for j in range(m):
-                out.position[b, row] += d.position[b, row, j] * x[j]
-                out.velocity[b, row] += d.velocity[b, row, j] * x[j]
+                out.position[b, row, 0] += d.position[b, row, j] * x[j]
+                out.velocity[b, row, 0] += d.velocity[b, row, j] * x[j]
     return out

@@ -12,7 +12,7 @@ from piston_cosim.fmu_mfbd.dynamics.carrier import Carrier
 from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.mechanism.chain import Chain, Loads
-from piston_cosim.fmu_mfbd.mechanism.derivative import chain_tangent
+from piston_cosim.fmu_mfbd.mechanism.derivative import chain_derivative
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
 from piston_cosim.fmu_mfbd.mechanism.laws import add_laws
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
@@ -43,7 +43,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     chain, loads, now = problem.chain, problem.loads, problem.now
     add_laws(chain, chain_motion(chain.joints, now, problem.drive), problem.drive.angle, loads)
     forces = chain_forces(chain, loads, now, problem.drive, problem.given)
-    arrow = chain_tangent(chain, loads, now, forces, problem.by)
+    arrow = chain_derivative(chain, loads, now, forces, problem.by).arrow
     change = substitute_chain(factorise_chain(arrow), forces.residual)
     for k in range(len(change)):
         real[k] = now.acceleration[k] - change[k]

@@ -16,7 +16,7 @@ from piston_cosim.fmu_mfbd.mechanism.cylinder import (
     FreeSlides,
     cylinder_chain,
 )
-from piston_cosim.fmu_mfbd.mechanism.derivative import chain_tangent
+from piston_cosim.fmu_mfbd.mechanism.derivative import chain_derivative
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces, forces_at
 from piston_cosim.fmu_mfbd.mechanism.loads import HeldForces, loads_at, no_loads
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
@@ -132,7 +132,7 @@ def test_a_tied_pin_is_the_chain_of_its_links(carrier, slides):
     assert forces.torque == pytest.approx(expected.torque + added, rel=DIGITS)
     by = reach(len(now.position))
     arrows = (
-        chain_tangent(one.chain, given, now, forces, by)
+        chain_derivative(one.chain, given, now, forces, by).arrow
         for one, forces in ((links, expected), (own, forces))
     )
     for one, other in zip(*arrows):
@@ -224,7 +224,7 @@ def test_the_tangent_is_the_derivative(built):
         return forces_at(chain, changed, later, moved, MOVING).residual
 
     own = chain_forces(chain, given, now, CRANK, MOVING)
-    whole = coupled(chain_tangent(chain, given, now, own, by), chain, own, by)
+    whole = coupled(chain_derivative(chain, given, now, own, by).arrow, chain, own, by)
     scale = np.abs(whole).max(axis=1)
     for j, unit in enumerate(np.eye(n)):
         known = derivative(lambda x, unit=unit: residual(x * unit), 0.0, 100.0)
@@ -239,7 +239,7 @@ def test_the_solution_and_the_product_of_a_tangent(built):
     n = len(now.position)
     by = reach(n)
     own = chain_forces(chain, loads(built, now), now, CRANK, MOVING)
-    arrow = chain_tangent(chain, loads(built, now), now, own, by)
+    arrow = chain_derivative(chain, loads(built, now), now, own, by).arrow
     factors = factorise_chain(arrow)
     right = 10 ** np.linspace(-2, 2, n)
     x = substitute_chain(factors, right)
