@@ -57,8 +57,13 @@ PIN_OUTPUTS: tuple[tuple[Any, ...], ...] = (
 """Scalar outputs of pin, small end and crank: name, unit, description, nominal value."""
 
 PIN_NAMES = tuple(name for name, *_ in PIN_OUTPUTS)
-COUNT, OF_PIN, OF_FILM = len(PIN_NAMES), 8, 7
-"""Numbers of all outputs, of those of the pin, and of those of each film."""
+COUNT, OF_FILM = len(PIN_NAMES), 7
+"""Numbers of all outputs, and of those of each film."""
+BOSS, SPIN, TILT, SAG, FILMS = map(
+    PIN_NAMES.index,
+    ("pin_displacement_x", "pin_angle", "pin_tilt_x", "pin_bending_x", "small_end_displacement_x"),
+)
+"""First outputs of the pin's position, angle, tilt and bending, and of the films."""
 
 
 @compilable
@@ -76,16 +81,16 @@ def pin_scalars(
     in_eye, by_laws = NONE, np.zeros(2)
     if floats(of.chain):
         in_eye = EYE
-        out[0], out[1] = position[PIN.boss_x], position[PIN.boss_y]
-        out[2], out[3] = position[PIN.spin], now.velocity[PIN.spin]
+        out[BOSS], out[BOSS + 1] = position[PIN.boss_x], position[PIN.boss_y]
+        out[SPIN], out[SPIN + 1] = position[PIN.spin], now.velocity[PIN.spin]
         bent = shapes_of(elements, position, EYE)
         for k in range(len(of.shapes.slope)):
             for way in range(2):
-                out[4 + way] += of.shapes.slope[k] * bent[k, way]
-                out[6 + way] += of.shapes.sag[k] * bent[k, way]
+                out[TILT + way] += of.shapes.slope[k] * bent[k, way]
+                out[SAG + way] += of.shapes.sag[k] * bent[k, way]
         if len(of.chain.laws.kind) > 0:
             by_laws = between(of.chain, loads, BODY.rod, BODY.pin)
-    first = OF_PIN
+    first = FILMS
     for e, x, y in (
         (in_eye, by_laws[X], on_slopes + by_laws[Y]),
         (film_of(of.chain, BODY.rod), 0.0, -on_slopes),
