@@ -101,16 +101,13 @@ class SpaceLoad(NamedTuple):
 
     Parameters
     ----------
-    lateral, axial, moment, guided : float
-        As of `piston_motion.Load`; `guided` acts on the bore's axis in z too.
+    plane : Load
+        Its `guided` acts on the bore's axis in z too.
     across : ndarray, shape (3,)
         On [z, roll, yaw], without what `guided` adds away from z = 0 [N], [N m], [N m].
     """
 
-    lateral: float
-    axial: float
-    moment: float
-    guided: float
+    plane: Load
     across: np.ndarray
 
 
@@ -288,7 +285,7 @@ def imbalance(
     force, moment = needed(with_pin(bodies), spin)
     c, s = at.axes[last]
     x, y = c * force[X] - s * force[Y], s * force[X] + c * force[Y]
-    loads = loads_at(chain, forces_of(chain, plane_load(load)), at, plane)
+    loads = loads_at(chain, forces_of(chain, load.plane), at, plane)
     # Eq. (D27)
     skirt = loads.wrench[0]
     skirt[X] -= x
@@ -304,8 +301,8 @@ def imbalance(
     beside = np.array(
         [
             force[-1] + carried - _square(load, pull, spin.tilt) - load_z,
-            moment[X] - z * (pull[Y] - load.guided) - load_roll,
-            moment[Y] + z * pull[X] + roll * load.guided * arm - load_yaw,
+            moment[X] - z * (pull[Y] - load.plane.guided) - load_roll,
+            moment[Y] + z * pull[X] + roll * load.plane.guided * arm - load_yaw,
         ]
     )
     on_block = own.on_block
@@ -325,17 +322,11 @@ def imbalance(
 
 
 @compiled
-def plane_load(load: SpaceLoad) -> Load:
-    """Return the load in the plane."""
-    return Load(load.lateral, load.axial, load.moment, load.guided, np.zeros(0))
-
-
-@compiled
 def _square(load, pull, tilt):
     """Return the force along z of rod and gas on a pin that is tilted."""
     roll, yaw, _ = tilt
     pull_x, pull_y = pull
-    return roll * (pull_y - load.guided) - yaw * pull_x
+    return roll * (pull_y - load.plane.guided) - yaw * pull_x
 
 
 @compiled
@@ -405,10 +396,10 @@ def forces_on_block(
     load_z, load_roll, load_yaw = load.across
     # Eq. (D53)
     needed_z = _square(load, lack.from_rod, tilt) + load_z + along
-    leaning = load.guided * tilt[0] * (bodies.pin_offset + lateral)
-    moment_x = load_roll + about_x + y * needed_z - z * (load.axial + load.guided)
-    moment_y = load_yaw + about_y - x * needed_z + z * load.lateral - leaning
-    on = block_force(plane_load(load), np.zeros(RIGID), lack.on_block)
+    leaning = load.plane.guided * tilt[0] * (bodies.pin_offset + lateral)
+    moment_x = load_roll + about_x + y * needed_z - z * (load.plane.axial + load.plane.guided)
+    moment_y = load_yaw + about_y - x * needed_z + z * load.plane.lateral - leaning
+    on = block_force(load.plane, np.zeros(RIGID), lack.on_block)
     return on, (-needed_z, -moment_x, -moment_y)
 
 
@@ -420,10 +411,12 @@ def pushed(
     It is a central difference over changes of at most 1 N or 1 N m: only the friction of the pin
     is not linear in the load.
     """
-    share = 1.0 / max(1e-300, *map(abs, (*change[:-1], *change.across)))
+    *plane, _ = change.plane
+    share = 1.0 / max(1e-300, *map(abs, (*plane, *change.across)))
 
     def residual(share: float) -> np.ndarray:
-        changed = SpaceLoad._make(one + share * more for one, more in zip(load, change))
+        moved = Load._make(one + share * more for one, more in zip(load.plane, change.plane))
+        changed = SpaceLoad(moved, load.across + share * change.across)
         return imbalance(bodies, changed, now, crank).residual
 
     return (residual(share) - residual(-share)) / (2 * share)

@@ -145,8 +145,7 @@ class PistonInSpace(PistonInBore):
         across = np.sum(each, axis=0)
         parts = forces_by_film(system, guided.height, forces)
         skirt = together(parts)
-        plane = load_of(system, skirt, others)
-        load = SpaceLoad(plane.lateral, plane.axial, plane.moment, plane.guided, across)
+        load = SpaceLoad(load_of(system, skirt, others), across)
         solved = self._solved(c, before, auxiliary, load, crank)
         self._space = LastInSpace(c, solved, crank, guided.height, sides)
         self._inverse: np.ndarray | None = None
@@ -339,9 +338,7 @@ class PistonInSpace(PistonInBore):
         system = self.system
         skirt = together(forces_by_film(system, guided, seeds.skirt))
         across = [side.forces(one) for side, one in zip(sides, self._nodal(seeds.skirt))]
-        plane = load_change(system, skirt, seeds.rings)
-        rigid = plane.lateral, plane.axial, plane.moment, plane.guided
-        change = SpaceLoad(*rigid, across=np.sum(across, axis=0))
+        change = SpaceLoad(load_change(system, skirt, seeds.rings), np.sum(across, axis=0))
         if self._inverse is None:
             self._inverse = np.linalg.inv(
                 tangent(self.bodies, load, end, crank, c.to_velocity, c.to_position)

@@ -172,7 +172,10 @@ def missed_in_space(size, direction):
     bodies, load = space_bodies(of, 3e-3), load_on(of)
     aside = np.array([3e-3, 0.0, 0.0, 0.0, 0.0])
     bodies = bodies._replace(pin_offset=2e-3)
-    load = load._replace(lateral=load.lateral - 800.0, axial=load.axial + 700.0)
+    plane = load.plane
+    load = load._replace(
+        plane=plane._replace(lateral=plane.lateral - 800.0, axial=plane.axial + 700.0)
+    )
     position, velocity = np.split(size * direction, 2)
     now = Motion(position, velocity, np.zeros(5))
     for _ in range(20):

@@ -37,6 +37,7 @@ from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
 )
 from piston_cosim.fmu_mfbd.dynamics.parameters import SpaceParameters
 from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
+from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.skirt_films import window_of
 from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces
@@ -203,7 +204,7 @@ def test_an_instant_by_hand():
     model = space_model(SYMMETRIC, pin_axial_play=8e-6, pin_axial_stiffness=1e6, pin_tilt_play=1.0)
     position = np.array([0.0, 0.0, 10e-6, 1e-3, 2e-3])
     now = Motion(position, np.zeros(5), np.zeros(5))
-    load = SpaceLoad(4e3, 3e3 - 20e3, 0.0, 20e3, np.array([0.5, 0.25, 0.125]))
+    load = SpaceLoad(Load(4e3, 3e3 - 20e3, 0.0, 20e3, np.zeros(0)), np.array([0.5, 0.25, 0.125]))
     bodies = model.bodies._replace(chain=plane_of(model.system.mechanism._replace(offset=0.0)))
     lack = imbalance(bodies, load, now, CrankMotion(0.0, 0.0, 0.0))
     np.testing.assert_allclose(lack.from_rod, [-4e3, 17e3], rtol=1e-12)
@@ -451,7 +452,8 @@ def load_on(of):
     force[:, 1] += of.drag
     x, y, z = force.sum(0)
     roll, yaw, turn = np.cross(arm, force).sum(0)
-    return SpaceLoad(x, y - of.gas, turn + of.offset * of.gas, of.gas, np.array([z, roll, yaw]))
+    plane = Load(x, y - of.gas, turn + of.offset * of.gas, of.gas, np.zeros(0))
+    return SpaceLoad(plane, np.array([z, roll, yaw]))
 
 
 def points_motion(of, size):
