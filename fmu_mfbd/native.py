@@ -32,11 +32,9 @@ from .dynamics.assembly import (
     setup_of,
 )
 from .dynamics.block_force import BlockForce
-from .dynamics.carrier import FIXED, carrier_from
 from .dynamics.contradictions import FAULT, FAULTS, check
 from .dynamics.drive import Scalars
 from .dynamics.element_laws import SWITCHES
-from .dynamics.generalised_alpha import coefficients
 from .dynamics.half_films import check_even, check_half
 from .dynamics.instant import of_bearings, slides_at
 from .dynamics.model import MOTION
@@ -44,9 +42,7 @@ from .dynamics.model_faults import body_faults
 from .dynamics.parameters import Parameters, Settings, settings_of
 from .dynamics.pin_outputs import PinScalars
 from .dynamics.pin_shells import shell_modes_of
-from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.response import StepEnd
-from .dynamics.slider_crank import CrankMotion
 from .dynamics.state import PistonState, problem_of, step_coefficients
 from .dynamics.step import (
     FIELDS,
@@ -71,7 +67,11 @@ from .dynamics.system import RingForce
 from .dynamics.thermal_growth import FieldInputs, warm_walls
 from .geometry.film import NodalForces
 from .geometry.pin import PinForces
+from .mechanism.carrier import FIXED, carrier_from
 from .mechanism.cylinder import EYE, floats
+from .mechanism.generalised_alpha import coefficients
+from .mechanism.piston_motion import LATERAL, RIGID, ROCKING
+from .mechanism.slider_crank import CrankMotion
 from .native_fields import forces_at, gathered, put_films, put_stacked, scatter
 from .native_walls import WallPlaces, growths_of, wall_places
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS

@@ -24,24 +24,24 @@ from ..geometry.surfaces import (
     with_room,
 )
 from ..mechanism.cylinder import EYE, CylinderParts, cylinder_chain, integrators, motion_across
+from ..mechanism.floating_frame import FlexibleBody
+from ..mechanism.modal_damping import ModalSprings, modal_springs
+from ..mechanism.pin_friction import PinFriction
+from ..mechanism.quasi_static import StaticModes, moving_modes
+from ..mechanism.slider_crank import Mechanism
 from ..reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, ReducedShell, load
 from .bore_from_outside import outside_bore
 from .build_options import BuildOptions
 from .clearance import machined, surfaces
 from .contradictions import Fit, pin_radius
 from .element_laws import cylinder_laws, free_slides
-from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, bore_wall
 from .half_films import half_films, is_halved
-from .modal_damping import ModalSprings, modal_springs
 from .model import PistonInBore
 from .motion_in_space import SpaceBodies, SpaceBody, Stop, without_piston
 from .parameters import Parameters, Settings, SpaceParameters, settings_of
 from .pin_axis import pin_beam, pin_rows, pin_span, pin_surfaces, put_beam
 from .pin_films import undamp_static
-from .pin_friction import PinFriction
-from .quasi_static import StaticModes, moving_modes
-from .slider_crank import Mechanism
 from .space_model import PistonInSpace
 from .speed_table import SpeedTable
 from .step import BodyModel

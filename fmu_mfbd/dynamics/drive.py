@@ -10,10 +10,10 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.surfaces import count_of, surface_at
 from ..mechanism.chain import Bodies
+from ..mechanism.piston_motion import LATERAL, ROCKING
+from ..mechanism.slider_crank import CrankMotion, PistonLoad, side_force_demand
 from .account import EnergyAccount
 from .instant import Instant
-from .piston_motion import LATERAL, ROCKING
-from .slider_crank import CrankMotion, PistonLoad, side_force_demand
 from .system import BodySystem, OtherForces, rigid_piston
 
 

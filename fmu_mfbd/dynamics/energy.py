@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from .generalised_alpha import Motion
+from ..mechanism.generalised_alpha import Motion
 
 
 class EnergyLedger(NamedTuple):

@@ -10,24 +10,24 @@ import numpy as np
 from ...master.fmi.compiled import compilable, compiled
 from ..geometry.film import FilmForces, NodalForces
 from ..geometry.pin import PinForces
+from ..mechanism.bdf2 import STATIC, auxiliary_after, limit_plays, predicted_of, reach_of
 from ..mechanism.chain import BLOCK, Chain, Loads
 from ..mechanism.cylinder import BODY, EYE, film_of, floats, piston_of
 from ..mechanism.equations import friction_at
+from ..mechanism.floating_frame import TURN, X, Y
+from ..mechanism.generalised_alpha import Motion
+from ..mechanism.impact import limit_memory, longest_step
 from ..mechanism.laws import between, from_block, law_power
 from ..mechanism.loads import MOMENT, REACTION
+from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING, Load
+from ..mechanism.slider_crank import height
 from ..mechanism.solution import Linearisation, arrow_product, solve_motion
-from .bdf2 import STATIC, auxiliary_after, limit_plays, predicted_of, reach_of
 from .block_force import BlockForce, block_force
 from .energy import EnergyLedger, Momenta, energy_ledger, mean_acceleration, other_forces
-from .floating_frame import TURN, X, Y
 from .gas_on_bore import wall_forces
-from .generalised_alpha import Motion
-from .impact import limit_memory, longest_step
 from .pin_films import film_pushes, held_forces, pin_films
 from .pin_outputs import PinScalars, pin_scalars
-from .piston_motion import LATERAL, RIGID, ROCKING, Load
 from .skirt_films import AxialMotion, SkirtFilms, forces_by_film, skirt_films, together
-from .slider_crank import height
 from .system import BodySystem, OtherForces, StepProblem, rigid_piston, skirt_modes
 
 

@@ -11,20 +11,20 @@ from ...master.fmi.noted import none_yet, sentences_of
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import each_of, each_pin_of
+from ..mechanism.bdf2 import STATIC
+from ..mechanism.carrier import FIXED, Carrier
 from ..mechanism.cylinder import EYE, floats
-from .bdf2 import STATIC
+from ..mechanism.generalised_alpha import Coefficients, coefficients
+from ..mechanism.piston_motion import LATERAL, ROCKING
+from ..mechanism.slider_crank import CrankMotion, height
 from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, seen
 from .build_options import BuildOptions, FilmGrid
-from .carrier import FIXED, Carrier
 from .contradictions import FAULTS
-from .generalised_alpha import Coefficients, coefficients
 from .half_films import check_even, check_half, is_half
 from .instant import Instant, of_bearings, slides_at
 from .parameters import REFERENCE, Damping
 from .pin_shells import shell_modes_of
-from .piston_motion import LATERAL, ROCKING
 from .response import Response
-from .slider_crank import CrankMotion, height
 from .state import PistonState, problem_of, step_coefficients
 from .step import (
     START_PASSES,

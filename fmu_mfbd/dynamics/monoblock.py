@@ -23,9 +23,9 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import scipy.linalg as la
 
+from ..mechanism.generalised_alpha import Coefficients, Motion, coefficients, predict
 from ..reduction.reduced_body import ReducedMonoblock
 from .first_steps import FIRST_STEPS, first_steps
-from .generalised_alpha import Coefficients, Motion, coefficients, predict
 from .motion_in_space import skew
 
 RIGID_MOTIONS = 6

@@ -18,17 +18,17 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from ..mechanism.carrier import FIXED
 from ..mechanism.chain import Chain
 from ..mechanism.equations import forces_at, friction_at
+from ..mechanism.floating_frame import TURN, X, Y
+from ..mechanism.generalised_alpha import Motion
 from ..mechanism.loads import loads_at
 from ..mechanism.motion import ChainMotion, chain_motion
+from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING, Load
+from ..mechanism.slider_crank import CrankMotion
 from .block_force import BlockForce, block_force
-from .carrier import FIXED
-from .floating_frame import TURN, X, Y
-from .generalised_alpha import Motion
 from .pin_films import forces_of
-from .piston_motion import LATERAL, RIGID, ROCKING, Load
-from .slider_crank import CrankMotion
 
 SHIFT, ROLL, YAW = 2, 3, 4
 """Coordinates beside x_A and the rocking angle."""

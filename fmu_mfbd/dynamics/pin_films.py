@@ -24,13 +24,14 @@ from ..geometry.pin import (
     yielded,
 )
 from ..geometry.surfaces import pin_surface_at, pins_of
+from ..mechanism.bdf2 import STATIC
 from ..mechanism.chain import Chain, Loads
 from ..mechanism.cylinder import EYE, floats
+from ..mechanism.floating_frame import TURN, X, Y
+from ..mechanism.generalised_alpha import Motion
 from ..mechanism.loads import MOMENT, REACTION, HeldForces, no_forces
 from ..mechanism.motion import ChainChange, ChainMotion
-from .bdf2 import STATIC
-from .floating_frame import TURN, X, Y
-from .generalised_alpha import Motion
+from ..mechanism.piston_motion import Load
 from .pin_shells import (
     Shell,
     own_bent,
@@ -41,7 +42,6 @@ from .pin_shells import (
     shell_of,
     turned_back,
 )
-from .piston_motion import Load
 from .skirt_films import FilmChange, stack
 from .system import BodySystem
 

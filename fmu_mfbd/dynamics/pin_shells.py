@@ -7,9 +7,9 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.pin import ModeMotion, across, axes_of, in_axes, pair
 from ..mechanism.chain import Elements
+from ..mechanism.floating_frame import TURN
+from ..mechanism.generalised_alpha import Motion
 from ..mechanism.motion import ChainChange, ChainMotion
-from .floating_frame import TURN
-from .generalised_alpha import Motion
 
 
 class Shell(NamedTuple):

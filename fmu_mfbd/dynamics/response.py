@@ -7,22 +7,22 @@ import numpy as np
 from ...master.fmi.compiled import compilable, compiled
 from ..geometry.film import FilmForces, NodalForces
 from ..geometry.pin import PinForces
+from ..mechanism.bdf2 import reach_of
+from ..mechanism.carrier import Carrier
 from ..mechanism.cylinder import piston_of
 from ..mechanism.derivative import pushed_forces
+from ..mechanism.floating_frame import TURN, Y
+from ..mechanism.generalised_alpha import Coefficients, Motion
 from ..mechanism.laws import from_block_changes
 from ..mechanism.loads import loads_at
 from ..mechanism.motion import changes_along, motion_changes
+from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING, Load
+from ..mechanism.slider_crank import CrankMotion
 from ..mechanism.solution import Linearisation, solve_coupled
-from .bdf2 import reach_of
 from .block_force import BlockForce, block_force
-from .carrier import Carrier
-from .floating_frame import TURN, Y
-from .generalised_alpha import Coefficients, Motion
 from .instant import of_skirt, on_modes
 from .pin_films import film_pushes, held_forces, pin_changes
-from .piston_motion import LATERAL, RIGID, ROCKING, Load
 from .skirt_films import Change, forces_by_film, skirt_changes, skirt_slopes, together
-from .slider_crank import CrankMotion
 from .system import BodySystem, RingForce
 
 

@@ -20,7 +20,7 @@ from ..geometry.film import (
     window_at,
 )
 from ..geometry.surfaces import count_of, surface_at
-from .piston_motion import LATERAL, RIGID, ROCKING
+from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING
 from .system import BodySystem
 
 

@@ -12,12 +12,14 @@ import numpy as np
 from ..geometry.film import NodalForces
 from ..geometry.space import Levers, levers, slope_around
 from ..mechanism.cylinder import BODY
+from ..mechanism.floating_frame import TURN, Y
+from ..mechanism.generalised_alpha import Coefficients, Motion, predict
+from ..mechanism.impact import UNLIMITED, Inertia, limit_memory, longest_step
+from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING
+from ..mechanism.slider_crank import CrankMotion, height
 from ..mechanism.solution import no_linearisation
 from .block_force import NO_FORCE
 from .energy import Momenta, energy_ledger, mean_acceleration, other_forces
-from .floating_frame import TURN, Y
-from .generalised_alpha import Coefficients, Motion, predict
-from .impact import UNLIMITED, Inertia, limit_memory, longest_step
 from .instant import Instant, load_of
 from .model import Inputs, PistonInBore
 from .motion_in_space import (
@@ -37,7 +39,6 @@ from .motion_in_space import (
     with_pin,
 )
 from .pin_outputs import NO_PIN
-from .piston_motion import LATERAL, RIGID, ROCKING
 from .response import Response, load_change
 from .skirt_films import (
     AxialMotion,
@@ -50,7 +51,6 @@ from .skirt_films import (
     together,
     window_of,
 )
-from .slider_crank import CrankMotion, height
 from .step import StepInputs, StepResult
 from .system import StepProblem
 

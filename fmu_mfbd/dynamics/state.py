@@ -6,11 +6,11 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Vector
-from .bdf2 import memory_of
+from ..mechanism.bdf2 import memory_of
+from ..mechanism.generalised_alpha import Coefficients, Motion, coefficients
+from ..mechanism.slider_crank import CrankMotion
 from .first_steps import FIRST_STEPS, first_steps
-from .generalised_alpha import Coefficients, Motion, coefficients
 from .instant import Instant
-from .slider_crank import CrankMotion
 from .system import OtherForces, StepProblem
 
 

@@ -8,22 +8,22 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
+from ..mechanism.bdf2 import reach_of
+from ..mechanism.carrier import Carrier, carrier_from
 from ..mechanism.derivative import drive_inertia
+from ..mechanism.floating_frame import TURN
+from ..mechanism.modal_damping import put_damping
+from ..mechanism.slider_crank import CrankMotion, driven, height, moved_inertia
 from .account import EnergyAccount, account
-from .bdf2 import reach_of
 from .block_force import BlockForce
-from .carrier import Carrier, carrier_from
 from .contradictions import FAULT
 from .drive import Scalars, demand_of, scalars_of
-from .floating_frame import TURN
 from .gas_on_bore import WallPressures
 from .instant import Instant, end_of_step
-from .modal_damping import put_damping
 from .parameters import GAS_SOURCES, Settings
 from .pin_films import undamp_static
 from .response import Response, StepEnd, response
 from .skirt_films import skirt_slopes
-from .slider_crank import CrankMotion, driven, height, moved_inertia
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, state_at
 from .system import BodySystem, OtherForces, RingForce, StepProblem, rigid_piston, skirt_modes

@@ -8,8 +8,8 @@ motion, derivative of the motion, row of the residual, derivative of the row.
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.floating_frame import TURN, X, Y
 from .chain import IN_PARENT
+from .floating_frame import TURN, X, Y
 from .translations import sliding_of, way_of
 
 

@@ -14,8 +14,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.pin_friction import PinFriction
 from ..geometry.arrays import Matrix, Numbers, Vector
+from .pin_friction import PinFriction
 
 BLOCK = -1
 """Number of the block among the bodies."""

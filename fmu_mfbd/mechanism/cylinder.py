@@ -17,21 +17,21 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.bdf2 import BY_BDF2, STATIC
-from ..dynamics.carrier import FIXED
-from ..dynamics.floating_frame import Arrow, FlexibleBody, X, Y
-from ..dynamics.generalised_alpha import Motion
-from ..dynamics.modal_damping import ModalSprings
-from ..dynamics.pin_friction import put_pin_friction
-from ..dynamics.piston_motion import LATERAL, RIGID, ROCKING
-from ..dynamics.quasi_static import StaticModes
-from ..dynamics.slider_crank import CrankMotion, Mechanism
 from ..geometry.pin import PIN_SURFACES
+from .bdf2 import BY_BDF2, STATIC
+from .carrier import FIXED
 from .chain import BLOCK, IN_BLOCK, NONE, Bodies, Chain, Elements, Joints, Laws, put_tips
 from .derivative import chain_tangent
 from .equations import chain_forces
+from .floating_frame import Arrow, FlexibleBody, X, Y
+from .generalised_alpha import Motion
 from .loads import no_loads
+from .modal_damping import ModalSprings
 from .motion import Increments
+from .pin_friction import put_pin_friction
+from .piston_motion import LATERAL, RIGID, ROCKING
+from .quasi_static import StaticModes
+from .slider_crank import CrankMotion, Mechanism
 
 NO_ELEMENTS = np.zeros(0, np.int64)
 EYE = PIN_SURFACES.index("small_end")

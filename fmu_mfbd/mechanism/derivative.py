@@ -5,11 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.carrier import Carrier
-from ..dynamics.floating_frame import TURN, Arrow, X, Y
-from ..dynamics.generalised_alpha import Motion
-from ..dynamics.slider_crank import CrankMotion
 from .angles import add_angle_row_changes
+from .carrier import Carrier
 from .chain import Chain, Loads
 from .equations import (
     ChainForces,
@@ -19,9 +16,12 @@ from .equations import (
     point_of,
     subtract_loads,
 )
+from .floating_frame import TURN, Arrow, X, Y
+from .generalised_alpha import Motion
 from .inertia import ALPHA, AX, AY, W, inertia_changes, shaken_forces
 from .laws import subtract_law_changes
 from .motion import Increments, MotionChanges, chain_motion, motion_changes, no_changes
+from .slider_crank import CrankMotion
 from .translations import add_slide_row_changes
 
 

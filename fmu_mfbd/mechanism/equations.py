@@ -5,19 +5,19 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.carrier import Carrier
-from ..dynamics.floating_frame import TURN, X, Y
-from ..dynamics.generalised_alpha import Motion
-from ..dynamics.pin_friction import PinMoment, friction_moment, pin_friction_from
-from ..dynamics.slider_crank import CrankMotion
 from ..geometry.arrays import Matrix, Vector
 from .angles import add_angle_row
+from .carrier import Carrier
 from .chain import LEVER, VISCOUS, Chain, Elements, Joints, Loads
+from .floating_frame import TURN, X, Y
+from .generalised_alpha import Motion
 from .inertia import (
     InertiaForces,
     inertia_forces,
 )
 from .motion import ChainMotion, chain_motion
+from .pin_friction import PinMoment, friction_moment, pin_friction_from
+from .slider_crank import CrankMotion
 from .translations import add_slide_rows
 
 

@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.carrier import Carrier, transport
-from ..dynamics.floating_frame import TURN, X, Y
-from ..dynamics.generalised_alpha import Motion
 from ..geometry.arrays import Matrix, Vector
+from .carrier import Carrier, transport
 from .chain import Bodies
+from .floating_frame import TURN, X, Y
+from .generalised_alpha import Motion
 from .motion import ChainMotion, Increments, MotionChanges
 
 AX, AY, ALPHA, W, SX, SY, TX, TY, INERTIA, SPIN = range(10)

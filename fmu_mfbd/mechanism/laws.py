@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, packed
-from ..dynamics.floating_frame import TURN, X, Y
 from ..force_elements import FORCE_ELEMENTS
 from ..force_elements.element import PointForce, PointMotion
 from .chain import BLOCK, Chain, Elements, Loads
 from .equations import point_of
+from .floating_frame import TURN, X, Y
 from .motion import ChainChange, ChainMotion, Increments, MotionChanges
 
 RATES = 3

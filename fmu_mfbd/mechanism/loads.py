@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.floating_frame import X, Y
-from ..dynamics.generalised_alpha import Motion
 from .chain import Chain, Loads
 from .equations import moment_of_shapes, point_of
+from .floating_frame import X, Y
+from .generalised_alpha import Motion
 from .motion import ChainMotion
 
 MOMENT, REACTION = 2, 3

@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.generalised_alpha import Motion
-from ..dynamics.slider_crank import CrankMotion
 from ..geometry.arrays import Matrix, Vector
 from .angles import put_angle, put_angle_changes
 from .chain import Joints
+from .generalised_alpha import Motion
+from .slider_crank import CrankMotion
 from .translations import put_origin, put_origin_changes
 
 

@@ -10,19 +10,19 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.carrier import FIXED, Carrier
-from ..dynamics.elimination import LUFactors, factorise, no_factors, substitute
-from ..dynamics.floating_frame import TURN, Arrow, X, Y
-from ..dynamics.generalised_alpha import Motion, Prediction
-from ..dynamics.slider_crank import CrankMotion
 from ..geometry.arrays import Matrix
+from .carrier import FIXED, Carrier
 from .chain import LEVER, Bodies, Chain, Loads
 from .derivative import chain_derivative
+from .elimination import LUFactors, factorise, no_factors, substitute
 from .equations import ChainForces, forces_at, point_of
+from .floating_frame import TURN, Arrow, X, Y
+from .generalised_alpha import Motion, Prediction
 from .inertia import InertiaForces, coupling_of, frame_state
 from .laws import add_laws, law_sizes
 from .loads import HeldForces, loads_at
 from .motion import ChainMotion, Increments, chain_motion
+from .slider_crank import CrankMotion
 
 PASSES = 80
 """Most evaluations of the residual; three are usual."""

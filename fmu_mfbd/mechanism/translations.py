@@ -7,9 +7,9 @@ block. What a coordinate means is data (`chain.Slide`): a play in a film, a guid
 from typing import NamedTuple
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.floating_frame import TURN, X, Y
-from ..dynamics.generalised_alpha import Motion
 from .chain import IN_BLOCK, IN_PARENT, Joints
+from .floating_frame import TURN, X, Y
+from .generalised_alpha import Motion
 
 
 class Sliding(NamedTuple):

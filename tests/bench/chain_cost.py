@@ -16,9 +16,9 @@ from time import process_time
 import numpy as np
 from numba import njit
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
 from piston_cosim.fmu_mfbd.dynamics.instant import end_of_step
 from piston_cosim.fmu_mfbd.dynamics.response import response
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_tangent
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
 from piston_cosim.fmu_mfbd.mechanism.solution import solve_chain

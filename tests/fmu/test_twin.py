@@ -7,9 +7,9 @@ yield, and phases.
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion, Mechanism
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.tests.verification.cases.bodies import rigid_body
 from piston_cosim.tests.verification.cases.tied import tied_forces, tied_pin

@@ -4,9 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
-from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.force_elements.element import BODIES
 from piston_cosim.fmu_mfbd.mechanism.chain import (
     BLOCK,
@@ -16,6 +13,9 @@ from piston_cosim.fmu_mfbd.mechanism.chain import (
     Loads,
 )
 from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE, NO_SLIDES, CylinderLaws, cylinder_chain
+from piston_cosim.fmu_mfbd.mechanism.floating_frame import FlexibleBody
+from piston_cosim.fmu_mfbd.mechanism.modal_damping import ModalSprings
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.mechanism.solution import mode_coupling
 from piston_cosim.tests.verification.cases.links import (
     NO_MOUNTS,

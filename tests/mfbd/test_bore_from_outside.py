@@ -18,7 +18,6 @@ from piston_cosim.fmu_mfbd.dynamics.bore_from_outside import (
     seen,
 )
 from piston_cosim.fmu_mfbd.dynamics.build_options import BoreGrid
-from piston_cosim.fmu_mfbd.dynamics.carrier import Carrier
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, ON_FLEXIBLE_BLOCK, Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
@@ -26,6 +25,7 @@ from piston_cosim.fmu_mfbd.dynamics.skirt_films import forces_by_film, together
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.fmu_mfbd.mechanism.carrier import Carrier
 from piston_cosim.fmu_mfbd.reduction.reduced_body import no_modes
 from piston_cosim.master.fmi.errors import BadInput
 

@@ -12,7 +12,6 @@ import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import model_of
 from piston_cosim.fmu_mfbd.dynamics.bore_from_outside import periodic_rule
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
 from piston_cosim.fmu_mfbd.dynamics.instant import gas_on_modes, load_of, of_skirt, on_modes
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, ON_FLEXIBLE_BLOCK, stacked
@@ -24,16 +23,17 @@ from piston_cosim.fmu_mfbd.dynamics.skirt_films import (
     skirt_films,
     together,
 )
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import height
 from piston_cosim.fmu_mfbd.dynamics.start_state import check_start, read_start
 from piston_cosim.fmu_mfbd.dynamics.step import others_at
 from piston_cosim.fmu_mfbd.dynamics.system import skirt_modes
 from piston_cosim.fmu_mfbd.geometry.pin import turned
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.mechanism.cylinder import piston_of
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
 from piston_cosim.fmu_mfbd.mechanism.inertia import frame_state
 from piston_cosim.fmu_mfbd.mechanism.loads import loads_at
 from piston_cosim.fmu_mfbd.mechanism.motion import chain_motion
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import height
 
 from .differences import products_by_differences, rough_change
 from .pin_models import (

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces, PinResultants
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.options import Common
 
 from .chains import loads_of

@@ -9,11 +9,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import (
     PARALLEL,
     PIN_SURFACES,
@@ -30,10 +26,14 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     turned,
     yielded,
 )
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED
 from piston_cosim.fmu_mfbd.mechanism.cylinder import COORDINATES, PIN, piston_of
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.mechanism.inertia import frame_state
 from piston_cosim.fmu_mfbd.mechanism.loads import no_loads
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import LATERAL, ROCKING, Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion
 
 from .chains import loads_of, matrix_of
 from .differences import products_by_differences, rough_change

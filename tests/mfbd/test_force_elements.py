@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_FLEXIBLE_BLOCK, Inputs
 from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
@@ -15,9 +13,11 @@ from piston_cosim.fmu_mfbd.force_elements import FORCE_ELEMENTS
 from piston_cosim.fmu_mfbd.force_elements.element import ForceElement, PointForce, PointMotion
 from piston_cosim.fmu_mfbd.force_elements.land_contact import LandParameters, land_force
 from piston_cosim.fmu_mfbd.mechanism import laws
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED
 from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK, Laws
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_derivative
 from piston_cosim.fmu_mfbd.mechanism.equations import forces_at
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.mechanism.laws import add_laws, law_power
 from piston_cosim.fmu_mfbd.mechanism.loads import loads_at, no_loads
 from piston_cosim.fmu_mfbd.mechanism.motion import chain_motion

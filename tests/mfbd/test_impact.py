@@ -17,8 +17,8 @@ from piston_cosim.fmu_mfbd.dynamics.energy import (
     energy_ledger,
     mean_acceleration,
 )
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients, predict
-from piston_cosim.fmu_mfbd.dynamics.impact import (
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion, coefficients, predict
+from piston_cosim.fmu_mfbd.mechanism.impact import (
     UNLIMITED,
     Inertia,
     limit_memory,

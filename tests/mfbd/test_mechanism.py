@@ -5,10 +5,8 @@ import os
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.force_elements.element import BODIES
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.mechanism.chain import IN_PARENT
 from piston_cosim.fmu_mfbd.mechanism.cylinder import (
     NO_SLIDES,
@@ -18,8 +16,10 @@ from piston_cosim.fmu_mfbd.mechanism.cylinder import (
 )
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_tangent
 from piston_cosim.fmu_mfbd.mechanism.equations import block_motion, chain_forces, forces_at
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.mechanism.loads import HeldForces, loads_at, no_loads
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.mechanism.solution import (
     arrow_product,
     factorise_chain,

@@ -20,7 +20,6 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import (
     InSpace,
     PistonOptions,
 )
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
 from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
@@ -36,11 +35,12 @@ from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
     tangent,
 )
 from piston_cosim.fmu_mfbd.dynamics.parameters import SpaceParameters
-from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
 from piston_cosim.fmu_mfbd.dynamics.skirt_films import window_of
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces
 from piston_cosim.fmu_mfbd.geometry.profile import BoreOrder, fourier_bore
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.mechanism.pin_friction import PinFriction
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.native import uncovered
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston, load
 from piston_cosim.master.fmi.errors import BadInput

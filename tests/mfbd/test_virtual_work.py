@@ -11,11 +11,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.force_elements.land_contact import LandParameters
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
 
 from .multibody import QUARTER, Rubbing, Touching
 from .test_multibody import BORE, CASES, CONCENTRIC, SPEED, START, P, Reference, fmu_model

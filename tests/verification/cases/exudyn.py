@@ -9,18 +9,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import (
+from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED
+from piston_cosim.fmu_mfbd.mechanism.floating_frame import FlexibleBody
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import (
     Coefficients,
     Motion,
     Prediction,
     coefficients,
     predict,
 )
-from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import LATERAL, ROCKING, Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import (
     CrankMotion,
     Mechanism,
     height,

@@ -5,10 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Coefficients
-from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
-from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
 from piston_cosim.fmu_mfbd.mechanism.chain import (
     BLOCK,
     IN_BLOCK,
@@ -20,7 +16,11 @@ from piston_cosim.fmu_mfbd.mechanism.chain import (
     Laws,
     put_tips,
 )
+from piston_cosim.fmu_mfbd.mechanism.floating_frame import FlexibleBody
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Coefficients
+from piston_cosim.fmu_mfbd.mechanism.modal_damping import ModalSprings
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments
+from piston_cosim.fmu_mfbd.mechanism.pin_friction import PinFriction
 
 NO_MOUNTS = np.zeros((3, 3, 3))
 NO_SPRINGS = ModalSprings(np.zeros(0), np.zeros(0))
