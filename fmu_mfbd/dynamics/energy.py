@@ -100,7 +100,14 @@ def energy_ledger(
         last += kept.velocity[k] * momenta.kept[k]
         moving += kept.velocity[k] * momenta.moving[k]
     error = (last - first) / 2 - by_forces  # Eq. (D10)
-    return EnergyLedger(moving / 2, elastic, work, error, driven, last / 2)
+    return EnergyLedger(
+        kinetic=moving / 2,
+        elastic=elastic,
+        film_work=work,
+        error=error,
+        axial_work=driven,
+        accounted=last / 2,
+    )
 
 
 @compiled

@@ -477,16 +477,16 @@ def stacked(inputs: Inputs) -> StepInputs:
     none = [np.zeros(0)] * len(PinForces._fields)
     fields = ([np.ravel(one) for one in field] for field in zip(*inputs.pins))
     return StepInputs(
-        inputs.crank_speed,
-        inputs.load_torque,
-        inputs.gas_pressure,
-        inputs.crankcase_pressure,
-        inputs.land_pressure,
-        NodalForces(np.ravel(inputs.pressure_force), np.ravel(inputs.friction_force)),
-        PinForces(*map(np.concatenate, fields)) if inputs.pins else PinForces(*none),
-        inputs.rings,
-        inputs.carrier,
-        inputs.piston_temperature,
-        inputs.bore_temperature,
-        FieldInputs(np.ravel(inputs.skirt_field), np.ravel(inputs.bore_field)),
+        crank_speed=inputs.crank_speed,
+        load_torque=inputs.load_torque,
+        gas_pressure=inputs.gas_pressure,
+        crankcase_pressure=inputs.crankcase_pressure,
+        land_pressure=inputs.land_pressure,
+        skirt=NodalForces(np.ravel(inputs.pressure_force), np.ravel(inputs.friction_force)),
+        pins=PinForces(*map(np.concatenate, fields)) if inputs.pins else PinForces(*none),
+        rings=inputs.rings,
+        carrier=inputs.carrier,
+        piston_temperature=inputs.piston_temperature,
+        bore_temperature=inputs.bore_temperature,
+        fields=FieldInputs(np.ravel(inputs.skirt_field), np.ravel(inputs.bore_field)),
     )

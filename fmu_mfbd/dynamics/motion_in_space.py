@@ -313,14 +313,14 @@ def imbalance(
     on_block[Y] -= y
     on_block[TURN] -= at.position[last, X] * y - at.position[last, Y] * x + moment[TURN]
     return SpaceImbalance(
-        np.concatenate((own.residual, beside + holding)),
-        on_piston,
-        friction_at(chain.joints, at, own.joints, last).moment,
-        pull,
-        -holding,
-        own.torque,
-        on_block,
-        at,
+        residual=np.concatenate((own.residual, beside + holding)),
+        on_piston=on_piston,
+        pin_moment=friction_at(chain.joints, at, own.joints, last).moment,
+        from_rod=pull,
+        held=-holding,
+        torque=own.torque,
+        on_block=on_block,
+        motion=at,
     )
 
 

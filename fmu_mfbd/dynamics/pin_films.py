@@ -238,7 +238,14 @@ def pin_films(
             if body >= 0 and of.chain.joints.angle[body] < 0:
                 driven += moment * at.velocity[body, TURN]
         first = last
-    return PinFilmState(gaps, around, errors, wider, friction_power, driven)
+    return PinFilmState(
+        film_thickness=gaps,
+        circumferential_velocity=around,
+        work_error=errors,
+        widening=wider,
+        friction_power=friction_power,
+        driven=driven,
+    )
 
 
 @compilable

@@ -143,12 +143,12 @@ def response(
     on_skirt = skirt_changes(of, guided, rising, piston, bore)
     on_pins = pin_changes(of, at, end, moved, bodies)
     return Response(
-        on_skirt.film_thickness,
-        on_skirt.sliding_velocity,
-        moved.velocity[LATERAL],
-        moved.velocity[ROCKING],
-        rising,
-        on_pins.film_thickness,
-        on_pins.sliding_velocity,
-        block_force(change, from_walls, on_block),
+        film_thickness=on_skirt.film_thickness,
+        sliding_velocity=on_skirt.sliding_velocity,
+        lateral_velocity=moved.velocity[LATERAL],
+        rocking_velocity=moved.velocity[ROCKING],
+        piston_velocity=rising,
+        pin_film_thickness=on_pins.film_thickness,
+        circumferential_velocity=on_pins.sliding_velocity,
+        on_block=block_force(change, from_walls, on_block),
     )

@@ -293,7 +293,14 @@ class PistonInSpace(PistonInBore):
             left = np.abs(fresh).max()
             # what grows again, or does not fall by ten, is round-off of forces that cancel
             if left <= 1e-13 * size or (change <= 1e-7 * size and left >= 0.1 * change):
-                return SpaceSolution(load, end, lack, evaluation, tangents, left)
+                return SpaceSolution(
+                    load=load,
+                    end=end,
+                    lack=lack,
+                    evaluations=evaluation,
+                    tangents=tangents,
+                    change=left,
+                )
             if left > (1 - share / 4) * change:
                 share /= 2
                 acceleration = acceleration + share * step
@@ -304,7 +311,9 @@ class PistonInSpace(PistonInBore):
             share = 1.0
             change = left
             acceleration = acceleration - step
-        return SpaceSolution(load, end, lack, 0, tangents, change)
+        return SpaceSolution(
+            load=load, end=end, lack=lack, evaluations=0, tangents=tangents, change=change
+        )
 
     def _limit(self, before: Motion, kept: Motion, carried: np.ndarray, step: float) -> float:
         """Bound what an impact step passes on (Eq. (N7)), in the plane and across it separately.
@@ -370,14 +379,16 @@ class PistonInSpace(PistonInBore):
         in_plane = Change(place[:RIGID], speed[:RIGID])
         flat = skirt_changes(system, guided, rising, in_plane, Change(NO_MODES, NO_MODES))
         return Response(
-            flat.film_thickness + on_cells(side.opening(place[IN_SPACE]) for side in sides),
-            flat.sliding_velocity + on_cells(side.sliding * speed[ROLL] for side in sides),
-            speed[LATERAL],
-            speed[ROCKING],
-            rising,
-            NO_MODES,
-            NO_MODES,
-            NO_FORCE,
+            film_thickness=flat.film_thickness
+            + on_cells(side.opening(place[IN_SPACE]) for side in sides),
+            sliding_velocity=flat.sliding_velocity
+            + on_cells(side.sliding * speed[ROLL] for side in sides),
+            lateral_velocity=speed[LATERAL],
+            rocking_velocity=speed[ROCKING],
+            piston_velocity=rising,
+            pin_film_thickness=NO_MODES,
+            circumferential_velocity=NO_MODES,
+            on_block=NO_FORCE,
         )
 
 

@@ -154,23 +154,23 @@ def at_rest(crank: CrankMotion, position: np.ndarray, velocity: np.ndarray) -> P
     """Return the state before a start: a motion without accelerations."""
     none = np.zeros(len(position))
     return PistonState(
-        0.0,
-        crank.angle,
-        crank.speed,
-        crank.acceleration,
-        0.0,
-        position,
-        velocity,
-        none,
-        none,
-        none,
-        0.0,
-        0.0,
-        none,
-        0,
-        0.0,
-        np.zeros((0, 0)),
-        np.zeros(0),
+        time=0.0,
+        crank_angle=crank.angle,
+        crank_speed=crank.speed,
+        crank_acceleration=crank.acceleration,
+        crank_jerk=0.0,
+        position=position,
+        velocity=velocity,
+        acceleration=none,
+        auxiliary=none,
+        mean_velocity=none,
+        step=0.0,
+        kinetic=0.0,
+        other_forces=none,
+        steps=0,
+        thermal_opening=0.0,
+        bore_deflection=np.zeros((0, 0)),
+        field_growth=np.zeros(0),
     )
 
 
@@ -347,8 +347,8 @@ def result_of(
         system.mechanism, rigid_piston(system).mass, step.crank.angle
     )
     return StepResult(
-        now,
-        scalars_of(
+        instant=now,
+        scalars=scalars_of(
             now,
             step.crank,
             (torque, inertia),
@@ -357,12 +357,12 @@ def result_of(
             (opening, warm_work),
             step.coefficients.step,
         ),
-        step.others,
-        demand_of(system, step.others, step.crank),
-        now.on_block,
-        state,
-        last,
-        warmth.oil,
+        others=step.others,
+        side_force_demand=demand_of(system, step.others, step.crank),
+        on_block=now.on_block,
+        state=state,
+        last=last,
+        oil_temperature=warmth.oil,
     )
 
 

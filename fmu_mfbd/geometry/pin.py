@@ -141,7 +141,14 @@ def pin_surface(
     if axis is None:
         axis = np.zeros((along, 0))
     by_row = np.broadcast_to(np.asarray(clearance, dtype=float), along).copy()
-    return PinSurface(outward, onward, float(radius), by_row, modes, np.ascontiguousarray(axis))
+    return PinSurface(
+        outward=outward,
+        onward=onward,
+        radius=float(radius),
+        clearance=by_row,
+        modes=modes,
+        axis=np.ascontiguousarray(axis),
+    )
 
 
 @compilable

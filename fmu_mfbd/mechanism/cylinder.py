@@ -175,7 +175,14 @@ def cylinder_chain(c: CylinderParts) -> Chain:
     joints = _joints_of(c, plays)
     elements = _elements_of(c, plays, joints.tip.shape[1])
     laws = _put_laws(c, elements)
-    return Chain(_bodies_of(c, 1.0), joints, elements, laws, NONE, np.zeros((3, 3, 3)))
+    return Chain(
+        bodies=_bodies_of(c, 1.0),
+        joints=joints,
+        elements=elements,
+        laws=laws,
+        block=NONE,
+        mounts=np.zeros((3, 3, 3)),
+    )
 
 
 @compilable
@@ -445,7 +452,14 @@ def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
     whole = cylinder_chain(c)
     joints, elements = whole.joints, whole.elements
     joints.offset[BODY.rod] = 0.0  # an upright rod
-    chain = Chain(_bodies_of(c, of_rod), joints, elements, whole.laws, NONE, whole.mounts)
+    chain = Chain(
+        bodies=_bodies_of(c, of_rod),
+        joints=joints,
+        elements=elements,
+        laws=whole.laws,
+        block=NONE,
+        mounts=whole.mounts,
+    )
     m, k = chain.joints.tip.shape[1], len(chain.bodies.stiffness)
     none = np.zeros(m + k)
     still = Motion(none, none, none)

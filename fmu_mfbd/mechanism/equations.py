@@ -119,7 +119,9 @@ def forces_at(
                 )
     for i in range(3):
         total[i] = -total[i]
-    return ChainForces(residual, torque, total, force, at, inertia)
+    return ChainForces(
+        residual=residual, torque=torque, on_block=total, joints=force, motion=at, inertia=inertia
+    )
 
 
 @compilable

@@ -101,7 +101,18 @@ class InertiaChanges(NamedTuple):
 def frame_state(frames: np.ndarray, b: int) -> FrameState:
     """Return the state of the frame of body b."""
     f = frames[b]
-    return FrameState(f[AX], f[AY], f[ALPHA], f[W], f[SX], f[SY], f[TX], f[TY], f[INERTIA], f[SPIN])
+    return FrameState(
+        ax=f[AX],
+        ay=f[AY],
+        alpha=f[ALPHA],
+        w=f[W],
+        sx=f[SX],
+        sy=f[SY],
+        tx=f[TX],
+        ty=f[TY],
+        inertia=f[INERTIA],
+        spin=f[SPIN],
+    )
 
 
 @compilable
@@ -150,7 +161,15 @@ def inertia_forces(
     n, k = len(bodies.mass), len(bodies.stiffness)
     rows = np.empty((4, k))
     wrench, frames = np.empty((n, 3)), np.empty((n, 10))
-    out = InertiaForces(wrench, rows[MODAL], frames, rows[BQ], rows[GQ], rows[GV], carrier)
+    out = InertiaForces(
+        wrench=wrench,
+        modal=rows[MODAL],
+        frames=frames,
+        bq=rows[BQ],
+        gq=rows[GQ],
+        gv=rows[GV],
+        carrier=carrier,
+    )
     _put_frames(bodies, at, now, m, out)
     _put_forces(bodies, at, now, m, out)
     return out

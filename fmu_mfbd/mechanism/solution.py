@@ -79,9 +79,15 @@ class Linearisation(NamedTuple):
 def no_linearisation() -> Linearisation:
     """Return that of a system that has none."""
     table, row = np.zeros((0, 0)), np.zeros(0)
-    motion = ChainMotion(table, table, table, table, table, table)
-    inertia = InertiaForces(table, row, table, row, row, row, FIXED)
-    forces = ChainForces(row, 0.0, row, table, motion, inertia)
+    motion = ChainMotion(
+        axes=table, arm=table, sliding=table, position=table, velocity=table, acceleration=table
+    )
+    inertia = InertiaForces(
+        wrench=table, modal=row, frames=table, bq=row, gq=row, gv=row, carrier=FIXED
+    )
+    forces = ChainForces(
+        residual=row, torque=0.0, on_block=row, joints=table, motion=motion, inertia=inertia
+    )
     return Linearisation(forces, no_chain_factors(), table, np.zeros((0, 3, 6)))
 
 
@@ -174,7 +180,14 @@ def solve_motion(
                 slope = chain_derivative(chain, loads, now, forces, by)
                 factors = factorise_chain(slope.arrow)
                 linear = Linearisation(forces, factors, slope.on_block, loads.law_slopes)
-                return ChainSolution(now, loads, linear, evaluation, tangents + 1, size)
+                return ChainSolution(
+                    now=now,
+                    loads=loads,
+                    linear=linear,
+                    evaluations=evaluation,
+                    tangents=tangents + 1,
+                    change=size,
+                )
         fresh = substitute_chain(factors, forces.residual)
         left = np.sqrt(squared_size(slope.arrow, fresh))
         if evaluation > 1 and left > (1 - share / 4) * size:
@@ -195,7 +208,9 @@ def solve_motion(
             total = np.sqrt(squared_size(slope.arrow, unknown))
         _move(now, predicted, by, unknown)
     linear = Linearisation(forces, factors, slope.on_block, loads.law_slopes)
-    return ChainSolution(now, loads, linear, 0, tangents, size / total)
+    return ChainSolution(
+        now=now, loads=loads, linear=linear, evaluations=0, tangents=tangents, change=size / total
+    )
 
 
 @compilable

@@ -41,7 +41,7 @@ def sliding_of(joints: Joints, b: int, axes: int, now: Motion) -> Sliding:
             vy += aside * now.velocity[i]
             ax += along * now.acceleration[i]
             ay += aside * now.acceleration[i]
-    return Sliding(x, y, vx, vy, ax, ay)
+    return Sliding(x=x, y=y, vx=vx, vy=vy, ax=ax, ay=ay)
 
 
 @compilable

@@ -251,7 +251,15 @@ class ShellKind(NamedTuple):
     samples: int = 5
 
 
-SMALL_END = ShellKind("small end", "eye", "cut", "small_end_length", True, True, samples=1)
+SMALL_END = ShellKind(
+    title="small end",
+    bore="eye",
+    held="cut",
+    length="small_end_length",
+    hangs=True,
+    upright=True,
+    samples=1,
+)
 
 
 @dataclass(frozen=True)

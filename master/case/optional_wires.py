@@ -68,7 +68,12 @@ def overrides(case: Any) -> Iterator[Override]:
                 is_offered = terms["option"] in case.participants[other.owner].build
                 given = {key: one for key, one in terms["replaced_by"].items() if one}
                 yield Override(
-                    name, other.owner, variable, " and ".join(sources), is_offered, given
+                    film=name,
+                    body=other.owner,
+                    variable=variable,
+                    source=" and ".join(sources),
+                    is_offered=is_offered,
+                    figures=given,
                 )
 
 

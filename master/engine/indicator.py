@@ -174,14 +174,14 @@ def resolution(
         for near in neighbours(pressure, high)
     )
     return Resolution(
-        thickness,
-        FILM * float(bend) * thickness,
-        PRESSURE * float(min(steep, MOST)),  # Eq. (X49)
-        carrying(pressure),
-        thinned(sheared(results, film, gap)),
-        pressure[0].size,
-        to_si(given["skirt_length"], "m"),
-        min(peak_width(pressure[instant], cell)) <= NARROW,
+        thickness=thickness,
+        film=FILM * float(bend) * thickness,
+        pressure=PRESSURE * float(min(steep, MOST)),  # Eq. (X49)
+        load=carrying(pressure),
+        shear=thinned(sheared(results, film, gap)),
+        cells=pressure[0].size,
+        length=to_si(given["skirt_length"], "m"),
+        narrow=min(peak_width(pressure[instant], cell)) <= NARROW,
     )
 
 

@@ -102,12 +102,12 @@ def findings(results: Results) -> Findings:
     bend = deflection(results)
     lines = [int(bend.shape[1] * angle / 360) for angle in FACES.values()]
     return Findings(
-        results.series("ehd.minimum_film_thickness").values.min(),
-        results.series("ehd.maximum_pressure").values.max(),
-        np.abs(friction[up]).mean(),
-        at_whole_steps(results, "ehd.friction_power")[1:].mean(),
-        bend[:, lines].max(),
-        side_peaks(axis, results.dataset("ehd.pressure")[:]),
+        film=results.series("ehd.minimum_film_thickness").values.min(),
+        pressure=results.series("ehd.maximum_pressure").values.max(),
+        friction=np.abs(friction[up]).mean(),
+        power=at_whole_steps(results, "ehd.friction_power")[1:].mean(),
+        bend=bend[:, lines].max(),
+        peaks=side_peaks(axis, results.dataset("ehd.pressure")[:]),
     )
 
 
