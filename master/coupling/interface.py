@@ -49,13 +49,13 @@ class Ends:
         self.participant = participant
         self.inputs = tuple(end.variable for end in inputs)
         self.outputs = tuple(dict.fromkeys(end.variable for end in outputs))
-        self.given = block_of(participant, self.inputs, "written")
+        self.written = block_of(participant, self.inputs, "written")
         self.taken = block_of(participant, self.outputs)
         self.derive = getattr(participant, "derive", None) or partial(derive_each, participant)
         self.nominals = [participant.fields[name].nominal for name in self.inputs]
         ends = np.cumsum([0, *(end.part.stop - end.part.start for end in inputs)])
         self.starts = ends[:-1]
-        self.into, self.of_given = _positions([end.part for end in inputs])
+        self.into, self.of_written = _positions([end.part for end in inputs])
         self.out, self.of_taken = _positions([end.part for end in outputs])
         if (repeated := _repeated(outputs)) is not None:
             self.of_taken = repeated
@@ -64,8 +64,8 @@ class Ends:
 
     def feed(self, values: Any) -> None:
         """Set the inputs to their elements of the vector."""
-        self.given.values[self.of_given] = values
-        self.given.put()
+        self.written.values[self.of_written] = values
+        self.written.put()
 
     def differentiate(self, seen: np.ndarray, result: np.ndarray) -> None:
         """Write the change of the outputs for a change of the inputs."""
@@ -86,7 +86,7 @@ class Ends:
 
     def largest_change(self, change: Any, values: Any) -> float:
         """Return the largest change of an input, relative to its nominal value or its size."""
-        if self.of_given == 0:
+        if self.of_written == 0:
             return abs(change) / (self.nominals[0] or abs(values) or 1.0)
         pairs = [np.maximum.reduceat(np.abs(v), self.starts).tolist() for v in (change, values)]
         return largest([a / (n or b or 1.0) for n, a, b in zip(self.nominals, *pairs)])
@@ -378,13 +378,13 @@ class Interface:
         at, step, saved : the last evaluation, and what it was computed from.
         """
         ends = self.ends[name]
-        given = at.used[ends.into]
-        largest_change = ends.largest_change(change, given)
+        inputs = at.used[ends.into]
+        largest_change = ends.largest_change(change, inputs)
         if largest_change <= NEGLIGIBLE:
             return 0.0
         share = self.difference / largest_change
         ends.participant.restore(saved[name])
-        ends.feed(given + share * change)
+        ends.feed(inputs + share * change)
         for wire in self.discrete_inputs.get(name, ()):
             ends.participant.set(wire.target[1], self._carried[wire])
         ends.participant.step(*step)

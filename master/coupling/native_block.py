@@ -51,7 +51,7 @@ class ParticipantRow(NamedTuple):
     first_state, states, first_fault : positions in its memory, and length of the state;
     sentence : number of its first sentence;
     variables : number of real variables without seeds and products;
-    given, contents : length of the first part of its memory, and position in
+    setup, contents : length of the first part of its memory, and position in
     `CoupledSetup.contents`;
     standing : position in `CoupledState.standing`.
     """
@@ -68,7 +68,7 @@ class ParticipantRow(NamedTuple):
     first_fault: int = 0
     sentence: int = 0
     variables: int = 0
-    given: int = 0
+    setup: int = 0
     contents: int = 0
     standing: int = 0
 
@@ -197,7 +197,7 @@ class CoupledMemory(NamedTuple):
     inside : variables and memories of the participants; before : state at the begin of the step.
     """
 
-    given: Vector
+    setup: Vector
     inside: Vector
     state: Vector
     before: Vector
@@ -210,21 +210,21 @@ parts_of = parts(CoupledMemory)
 _, participant_from = flatten(ParticipantRow)
 _, wire_from = flatten(WireRow)
 _, exposed_from = flatten(ExposedRow)
-given_from = reader(CoupledSetup)
+setup_from = reader(CoupledSetup)
 put_state, state_from = flatten(CoupledState)
 _has_lengths = alike(CoupledState)
 put_last, last_from = flatten(LastMacroStep)
 
 
-def lengths_of(given: CoupledSetup, inside: int, reals: int):
+def lengths_of(setup: CoupledSetup, inside: int, reals: int):
     """Return the lengths of all parts after the first one, and the end that is not saved.
 
     inside : length of the part of this name; reals : number of real variables.
     """
-    size, unknowns = len(given.layout.nominal), len(given.layout.unknowns)
-    state = _room_of_state(given.standing, given.rules.predicted, size, given.pairs, unknowns)
+    size, unknowns = len(setup.layout.nominal), len(setup.layout.unknowns)
+    state = _room_of_state(setup.standing, setup.rules.predicted, size, setup.pairs, unknowns)
     lengths = inside, state, state, _room_of_last(reals), ROOM, ROOM
-    return lengths, _room_of_pairs(given.pairs, unknowns)
+    return lengths, _room_of_pairs(setup.pairs, unknowns)
 
 
 SOLVED, FOUND = 2, 3
@@ -237,14 +237,14 @@ _room_of_last = room_of(LastMacroStep, "reals")
 
 
 @compilable
-def nothing_yet(given: CoupledSetup):
+def nothing_yet(setup: CoupledSetup):
     """Return `CoupledState` before a start."""
     return CoupledState(
-        np.zeros(given.standing),
+        np.zeros(setup.standing),
         np.zeros(1),
-        np.zeros(given.rules.predicted),
-        np.zeros((given.rules.predicted, len(given.layout.nominal))),
-        no_pairs(len(given.layout.unknowns)),
+        np.zeros(setup.rules.predicted),
+        np.zeros((setup.rules.predicted, len(setup.layout.nominal))),
+        no_pairs(len(setup.layout.unknowns)),
     )
 
 
@@ -258,15 +258,15 @@ def is_state(row: np.ndarray, other: np.ndarray):
 
 
 @compiled
-def given_of(memory: np.ndarray):
+def setup_of(memory: np.ndarray):
     """Return `CoupledSetup`."""
-    return given_from(parts_of(memory).given)
+    return setup_from(parts_of(memory).setup)
 
 
 @compiled
 def rules_of(memory: np.ndarray):
     """Return `Rules`; kernels that need no more compile faster."""
-    return given_of(memory).rules
+    return setup_of(memory).rules
 
 
 @compiled

@@ -14,10 +14,10 @@ from .native_block import (
     FAULT,
     ON_WIRE,
     WireRow,
-    given_of,
     participant_from,
     parts_of,
     rules_of,
+    setup_of,
     state_of,
     wire_from,
 )
@@ -55,12 +55,12 @@ class System(NamedTuple):
 def system_of(memory: np.ndarray):
     """Return `System`."""
     parts = parts_of(memory)
-    given = given_of(memory)
+    setup = setup_of(memory)
     return System(
-        layout=given.layout,
-        participants=given.participants,
-        wires=given.wires,
-        order=given.order,
+        layout=setup.layout,
+        participants=setup.participants,
+        wires=setup.wires,
+        order=setup.order,
         inside=parts.inside,
         standing=state_of(memory).standing,
         failures=parts.failures,

@@ -126,13 +126,13 @@ def build_native_fmu(
 class Inside(NamedTuple):
     """Model instance from which a native FMU is made.
 
-    slave : instance in Python, with the variables and their positions; given : first part of the
+    slave : instance in Python, with the variables and their positions; setup : first part of the
     model's memory.
     """
 
     slave: FieldSlave
     part: NativePart
-    given: np.ndarray
+    setup: np.ndarray
 
 
 def pack_native_fmu(
@@ -167,7 +167,7 @@ def pack_native_fmu(
 def _members(inside: Inside, made: Mapping[str, bytes], version: str) -> dict[str, bytes]:
     """Return the content of an FMU by path; `made` are libraries by platform."""
     slave = inside.slave
-    model = slave_file(slave, inside.part, inside.given)
+    model = slave_file(slave, inside.part, inside.setup)
     members = texts_of(slave, version, True, list(made), sums_of(model))
     for platform, library in made.items():
         ends = PLATFORMS[platform]
@@ -259,7 +259,7 @@ def slave_inside(
         slave = slave_class(slave_of(package))(instance_name="native", resources=scratch)
         if slave.string or slave.courses:
             raise BadInput(f"{package}: expected no texts in a native FMU, got some")
-        return Inside(slave, part, part.given(slave))
+        return Inside(slave, part, part.setup(slave))
 
 
 # ---- the library

@@ -51,7 +51,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 
 PART = NativePart(
     entries=(advance,),
-    given=lambda slave: None,
+    setup=lambda slave: None,
     uncovered=lambda options: (),
     faults=(),
     refusal="",
