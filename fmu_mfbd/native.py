@@ -338,16 +338,16 @@ def publish(real, integer, counts, places, model, result):
     put_each(real, places.pins.work_error, now.pin_work_error)
     first, last = modes_of(model)
     put_stacked(real, outputs.modal_coordinate, now.end.position[first:last])
-    put_stacked(real, outputs.modal_velocity, now.kept.velocity[first:last])
+    put_stacked(real, outputs.modal_velocity, now.next_start.velocity[first:last])
     parts = model.parts
     chain = parts.chain
     put_stacked(real, outputs.bearing_coordinate, of_bearings(parts, now.end.position))
-    put_stacked(real, outputs.bearing_velocity, of_bearings(parts, now.kept.velocity))
+    put_stacked(real, outputs.bearing_velocity, of_bearings(parts, now.next_start.velocity))
     put_each(real, places.slides, slides_at(parts, now.end.position, len(places.slides)))
     if floats(chain):
         eye = shell_modes_of(chain.elements, now.end.position, EYE)
         put_stacked(real, outputs.small_end_modal_coordinate, eye)
-        eye = shell_modes_of(chain.elements, now.kept.velocity, EYE)
+        eye = shell_modes_of(chain.elements, now.next_start.velocity, EYE)
         put_stacked(real, outputs.small_end_modal_velocity, eye)
     real[outputs.cylinder_pressure] = result.others.wall.chamber
     real[outputs.side_force_demand] = result.side_force_demand

@@ -145,7 +145,7 @@ def scalars_of(
     per_second = 1.0 / step if step > 0.0 else 0.0
     torque, inertia = drive
     opening, warm_work = warm
-    lateral, rocking = now.kept.velocity[LATERAL], now.kept.velocity[ROCKING]
+    lateral, rocking = now.next_start.velocity[LATERAL], now.next_start.velocity[ROCKING]
     lower, upper = skirt_edges(system.surfaces)
     return Scalars(
         crank_angle=crank.angle,

@@ -38,16 +38,16 @@ class Momenta(NamedTuple):
 
     Parameters
     ----------
-    before, kept : ndarray
+    before, next_start : ndarray
         Of the velocities at the start, and at the end as the next step starts from it.
     mean : ndarray
         Of the mean acceleration.
     moving : ndarray
-        Of the velocities of `kept`, without the rod.
+        Of the velocities of `next_start`, without the rod.
     """
 
     before: np.ndarray
-    kept: np.ndarray
+    next_start: np.ndarray
     mean: np.ndarray
     moving: np.ndarray
 
@@ -61,7 +61,7 @@ def mean_acceleration(before: Motion, end: Motion) -> np.ndarray:
 @compiled
 def energy_ledger(
     before: Motion,
-    kept: Motion,
+    next_start: Motion,
     end: Motion,
     momenta: Momenta,
     push: np.ndarray,
@@ -79,7 +79,7 @@ def energy_ledger(
 
     Parameters
     ----------
-    before, kept, end : Motion
+    before, next_start, end : Motion
         At the start; at the end, as the next step starts from it and as the equations hold.
     momenta : Momenta
     push : ndarray, shape (n,)
@@ -93,12 +93,12 @@ def energy_ledger(
     by_forces = 0.0
     work = driven
     for k in range(len(push)):
-        way = end.position[k] - before.position[k]
-        work += push[k] * way  # Eq. (D11)
-        by_forces += way * momenta.mean[k]
+        travel = end.position[k] - before.position[k]
+        work += push[k] * travel  # Eq. (D11)
+        by_forces += travel * momenta.mean[k]
         first += before.velocity[k] * momenta.before[k]
-        last += kept.velocity[k] * momenta.kept[k]
-        moving += kept.velocity[k] * momenta.moving[k]
+        last += next_start.velocity[k] * momenta.next_start[k]
+        moving += next_start.velocity[k] * momenta.moving[k]
     error = (last - first) / 2 - by_forces  # Eq. (D10)
     return EnergyLedger(
         kinetic=moving / 2,

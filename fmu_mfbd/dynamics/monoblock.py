@@ -164,8 +164,8 @@ class MountedMonoblock:
 
     def loose(self) -> bool:
         """Return whether the mounts hold only some motions of the rigid block."""
-        held = np.linalg.eigvalsh(self.mounts[:RIGID_MOTIONS, :RIGID_MOTIONS])
-        return 0.0 < held[-1] and held[0] <= 1e-12 * held[-1]
+        eigenvalues = np.linalg.eigvalsh(self.mounts[:RIGID_MOTIONS, :RIGID_MOTIONS])
+        return 0.0 < eigenvalues[-1] and eigenvalues[0] <= 1e-12 * eigenvalues[-1]
 
     def start(self, cylinders: list[Cylinder]) -> BlockState:
         """Return the state at rest, with the forces at the start."""
@@ -188,7 +188,7 @@ class MountedMonoblock:
         )
         return np.concatenate([rigid, modal])
 
-    def seen(
+    def at_cylinders(
         self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
     ) -> list[CylinderMotion]:
         """Return the motion of the block, or a change of it, at each cylinder."""
@@ -209,8 +209,8 @@ class MountedMonoblock:
         rigid, modal = self._coefficients(step, begins)
         position, velocity, auxiliary = self._predicted(before, rigid, modal)
         force = self.total(cylinders)
-        lack = force - self.damping @ velocity - self.stiffness @ position
-        unknown = la.lu_solve(rule.factors, lack)
+        residual = force - self.damping @ velocity - self.stiffness @ position
+        unknown = la.lu_solve(rule.factors, residual)
         acceleration = np.where(self.static, 0.0, unknown)
         auxiliary = auxiliary + rule.to_auxiliary * acceleration
         steps = before.steps + 1
@@ -233,10 +233,10 @@ class MountedMonoblock:
         """
         if not after.steps:
             nothing = np.zeros(self.size)
-            return self.seen(nothing, nothing, nothing)
+            return self.at_cylinders(nothing, nothing, nothing)
         rule = self._rule(after.step, after.steps <= FIRST_STEPS)
         unknown = la.lu_solve(rule.factors, self.total(cylinders))
-        return self.seen(
+        return self.at_cylinders(
             rule.to_position * unknown,
             rule.to_velocity * unknown,
             np.where(self.static, 0.0, unknown),

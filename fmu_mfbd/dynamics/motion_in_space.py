@@ -101,16 +101,16 @@ class SpaceLoad(NamedTuple):
 
     Parameters
     ----------
-    lateral, axial, moment, guided : float
-        As of `piston_motion.Load`; `guided` acts on the bore's axis in z too.
+    lateral, axial, moment, axis_force : float
+        As of `piston_motion.Load`; `axis_force` acts on the bore's axis in z too.
     across : ndarray, shape (3,)
-        On [z, roll, yaw], without what `guided` adds away from z = 0 [N], [N m], [N m].
+        On [z, roll, yaw], without what `axis_force` adds away from z = 0 [N], [N m], [N m].
     """
 
     lateral: float
     axial: float
     moment: float
-    guided: float
+    axis_force: float
     across: np.ndarray
 
 
@@ -146,7 +146,7 @@ class SpaceImbalance(NamedTuple):
         Of pin friction on the piston [N m].
     from_rod : ndarray, shape (2,)
         Force of the rod on the pin, along x and y [N].
-    held : ndarray, shape (3,)
+    out_of_plane : ndarray, shape (3,)
         Of the rod on the pin: force along z of stop and damper [N], moments about x and y [N m].
     torque : float
         Of the drive on the crank [N m].
@@ -160,7 +160,7 @@ class SpaceImbalance(NamedTuple):
     on_piston: np.ndarray
     pin_moment: float
     from_rod: np.ndarray
-    held: np.ndarray
+    out_of_plane: np.ndarray
     torque: float
     on_block: np.ndarray
     motion: ChainMotion
@@ -182,7 +182,7 @@ def skew(vector: np.ndarray) -> np.ndarray:
 
 
 @compiled
-def held(stop: Stop, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+def stop_force(stop: Stop, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """Return the force of a stop against a motion of n coordinates in any direction, (n,).
 
     Eq. (K17):  F = k max(0, |q| - play) q/|q| + d q'
@@ -301,11 +301,11 @@ def imbalance(
     roll, z, arm = spin.tilt[0], q[SHIFT], bodies.pin_offset + q[LATERAL]
     holding, (load_z, load_roll, load_yaw) = _held(bodies, now), load.across
     carried = bodies.pin_mass * now.acceleration[SHIFT]
-    beside = np.array(
+    out_of_plane = np.array(
         [
             force[-1] + carried - _square(load, pull, spin.tilt) - load_z,
-            moment[X] - z * (pull[Y] - load.guided) - load_roll,
-            moment[Y] + z * pull[X] + roll * load.guided * arm - load_yaw,
+            moment[X] - z * (pull[Y] - load.axis_force) - load_roll,
+            moment[Y] + z * pull[X] + roll * load.axis_force * arm - load_yaw,
         ]
     )
     on_block = own.on_block
@@ -313,11 +313,11 @@ def imbalance(
     on_block[Y] -= y
     on_block[TURN] -= at.position[last, X] * y - at.position[last, Y] * x + moment[TURN]
     return SpaceImbalance(
-        residual=np.concatenate((own.residual, beside + holding)),
+        residual=np.concatenate((own.residual, out_of_plane + holding)),
         on_piston=on_piston,
         pin_moment=friction_at(chain.joints, at, own.joints, last).moment,
         from_rod=pull,
-        held=-holding,
+        out_of_plane=-holding,
         torque=own.torque,
         on_block=on_block,
         motion=at,
@@ -327,7 +327,7 @@ def imbalance(
 @compiled
 def plane_load(load: SpaceLoad) -> Load:
     """Return the load in the plane."""
-    return Load(load.lateral, load.axial, load.moment, load.guided, np.zeros(0))
+    return Load(load.lateral, load.axial, load.moment, load.axis_force, np.zeros(0))
 
 
 @compiled
@@ -335,15 +335,15 @@ def _square(load, pull, tilt):
     """Return the force along z of rod and gas on a pin that is tilted."""
     roll, yaw, _ = tilt
     pull_x, pull_y = pull
-    return roll * (pull_y - load.guided) - yaw * pull_x
+    return roll * (pull_y - load.axis_force) - yaw * pull_x
 
 
 @compiled
 def _held(bodies, now):
     """Return what holds z, roll and yaw, (3,)."""
     q, v = now.position, now.velocity
-    along = held(bodies.along, q[SHIFT:ROLL], v[SHIFT:ROLL])
-    return np.concatenate((along, held(bodies.askew, q[ROLL:], v[ROLL:])))
+    along = stop_force(bodies.along, q[SHIFT:ROLL], v[SHIFT:ROLL])
+    return np.concatenate((along, stop_force(bodies.askew, q[ROLL:], v[ROLL:])))
 
 
 @compiled
@@ -367,9 +367,11 @@ def tangent(
     out = np.empty((COORDINATES, COORDINATES))
     for j in range(COORDINATES):
         for sign in (-0.5, 0.5):
-            way = np.zeros(COORDINATES)
-            way[j] = 2 * sign
-            moved = Motion(now.position + c2 * way, now.velocity + c1 * way, now.acceleration + way)
+            seed = np.zeros(COORDINATES)
+            seed[j] = 2 * sign
+            moved = Motion(
+                now.position + c2 * seed, now.velocity + c1 * seed, now.acceleration + seed
+            )
             residual = imbalance(bodies, load, moved, crank).residual
             for i in range(COORDINATES):
                 out[i, j] = sign * residual[i] + (out[i, j] if sign > 0.0 else 0.0)
@@ -377,7 +379,7 @@ def tangent(
 
 
 def forces_on_block(
-    bodies: SpaceBodies, load: SpaceLoad, now: Motion, lack: SpaceImbalance
+    bodies: SpaceBodies, load: SpaceLoad, now: Motion, imbalance: SpaceImbalance
 ) -> tuple[BlockForce, tuple[float, float, float]]:
     """Return the forces on the block in the plane, then force along z and moments about x and y.
 
@@ -390,7 +392,7 @@ def forces_on_block(
     ----------
     bodies, load, now
         As for `imbalance`.
-    lack : SpaceImbalance
+    imbalance : SpaceImbalance
         Of the same motion.
 
     Returns
@@ -399,16 +401,16 @@ def forces_on_block(
         All that acts on the block, the main bearings' too, on the crank axis [N], [N m].
     """
     lateral, _, z, roll, yaw = now.position
-    x, y = lack.motion.position[-1]
+    x, y = imbalance.motion.position[-1]
     tilt = np.array([bodies.tilt + roll, yaw, 0.0])
-    along, about_x, about_y = lack.held
+    along, about_x, about_y = imbalance.out_of_plane
     load_z, load_roll, load_yaw = load.across
     # Eq. (D53)
-    needed_z = _square(load, lack.from_rod, tilt) + load_z + along
-    leaning = load.guided * tilt[0] * (bodies.pin_offset + lateral)
-    moment_x = load_roll + about_x + y * needed_z - z * (load.axial + load.guided)
+    needed_z = _square(load, imbalance.from_rod, tilt) + load_z + along
+    leaning = load.axis_force * tilt[0] * (bodies.pin_offset + lateral)
+    moment_x = load_roll + about_x + y * needed_z - z * (load.axial + load.axis_force)
     moment_y = load_yaw + about_y - x * needed_z + z * load.lateral - leaning
-    on = block_force(plane_load(load), np.zeros(RIGID), lack.on_block)
+    on = block_force(plane_load(load), np.zeros(RIGID), imbalance.on_block)
     return on, (-needed_z, -moment_x, -moment_y)
 
 

@@ -37,8 +37,8 @@ WIDENING = "Change of the diameter of the {} at mid-length, {}"
 def _widening(name, directions):
     what = name.replace("_", " ")
     return [
-        (f"{name}_widening_{way}", "m", WIDENING.format(what, text), 1e-5)
-        for way, text in directions.items()
+        (f"{name}_widening_{direction}", "m", WIDENING.format(what, text), 1e-5)
+        for direction, text in directions.items()
     ]
 
 
@@ -102,9 +102,9 @@ def pin_scalars(
         boss, small_end = play_at(PIN.boss_x, position), play_at(PIN.eye_x, position)
     for k in range(len(of.shapes.slope)):
         bent = shapes_of(of.chain.elements, position, EYE)
-        for way in range(2):
-            tilt[way] += of.shapes.slope[k] * bent[k, way]
-            sag[way] += of.shapes.sag[k] * bent[k, way]
+        for direction in range(2):
+            tilt[direction] += of.shapes.slope[k] * bent[k, direction]
+            sag[direction] += of.shapes.sag[k] * bent[k, direction]
     in_big_end, in_main = film_of(of.chain, BODY.rod), film_of(of.chain, BLOCK)
     eye, big_end, main_bearing = (
         _wrench_of(loads, in_eye),

@@ -48,7 +48,7 @@ from .skirt_films import (
     forces_by_film,
     skirt_changes,
     skirt_films,
-    together,
+    total_forces,
     window_of,
 )
 from .step import StepInputs, StepResult
@@ -70,7 +70,7 @@ class SpaceSolution(NamedTuple):
 
     load: SpaceLoad
     end: Motion
-    lack: SpaceImbalance
+    imbalance: SpaceImbalance
     evaluations: int
     tangents: int
     change: float
@@ -82,7 +82,7 @@ class LastInSpace(NamedTuple):
     coefficients: Coefficients
     solved: SpaceSolution
     crank: CrankMotion
-    guided: float
+    guide_height: float
     levers: tuple[Levers, ...]
 
 
@@ -138,44 +138,44 @@ class PistonInSpace(PistonInBore):
         self.with_rod = self.inertia.copy()
         self.with_rod[:RIGID, :RIGID] += self.system.with_rod.top - self.system.inertia.top
 
-    def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> Instant:
+    def _instant(self, step: StepProblem, step_inputs: StepInputs, inputs: Inputs) -> Instant:
         """Return everything at the end of a step, as `instant.end_of_step`."""
         c, before, auxiliary, _, crank, others = step
         system = self.system
         upright = height(system.mechanism, 0.0, crank.angle)
-        guided = AxialMotion(upright.height, upright.lever * crank.speed)
-        forces = given.skirt
+        guide = AxialMotion(upright.height, upright.lever * crank.speed)
+        forces = step_inputs.skirt
         nodal = self._nodal(forces)
-        sides = self._levers(guided.height)
+        sides = self._levers(guide.height)
         each = [side.forces(one) for side, one in zip(sides, nodal)]
         across = np.sum(each, axis=0)
-        parts = forces_by_film(system, guided.height, forces)
-        skirt = together(parts)
+        parts = forces_by_film(system, guide.height, forces)
+        skirt = total_forces(parts)
         plane = load_of(system, skirt, others, NO_MODES)
-        load = SpaceLoad(plane.lateral, plane.axial, plane.moment, plane.guided, across)
+        load = SpaceLoad(plane.lateral, plane.axial, plane.moment, plane.axis_force, across)
         solved = self._solved(c, before, auxiliary, load, crank)
-        self._space = LastInSpace(c, solved, crank, guided.height, sides)
+        self._space = LastInSpace(c, solved, crank, guide.height, sides)
         self._inverse: np.ndarray | None = None
         end = solved.end
         carried = predict(c, before, auxiliary).auxiliary + c.to_auxiliary * end.acceleration
-        kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
-        longest = self._limit(before, kept, carried, c.step)
+        next_start = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
+        longest = self._limit(before, next_start, carried, c.step)
 
-        lack = solved.lack
-        at = lack.motion
+        imbalance = solved.imbalance
+        at = imbalance.motion
         axial_velocity = at.velocity[-1, Y]
-        on_grids = self._films(guided, forces, nodal, parts, axial_velocity, end)
-        driven = c.step * (skirt.axial * axial_velocity + on_grids.on_slopes * guided.velocity)
+        on_grids = self._films(guide, forces, nodal, parts, axial_velocity, end)
+        driven = c.step * (skirt.axial * axial_velocity + on_grids.on_slopes * guide.velocity)
         films = np.array([skirt.lateral, skirt.moment, *across])
         M = self.with_rod
         momenta = Momenta(
             M @ before.velocity,
-            M @ kept.velocity,
+            M @ next_start.velocity,
             M @ mean_acceleration(before, end),
-            self.inertia @ kept.velocity,
+            self.inertia @ next_start.velocity,
         )
-        pin_x, pin_y = lack.on_piston
-        on_block, self._across = forces_on_block(self.bodies, load, end, lack)
+        pin_x, pin_y = imbalance.on_piston
+        on_block, self._across = forces_on_block(self.bodies, load, end, imbalance)
         turning = on_grids.on_slopes * upright.lever
         on_block = on_block._replace(  # Eq. (D70)
             moment_on_block=on_block.moment_on_block - turning,
@@ -184,20 +184,20 @@ class PistonInSpace(PistonInBore):
         none = np.zeros(0)
         return Instant(
             end=end,
-            kept=kept,
+            next_start=next_start,
             auxiliary=carried,
-            ledger=energy_ledger(before, kept, end, momenta, films, driven, 0.0),
+            ledger=energy_ledger(before, next_start, end, momenta, films, driven, 0.0),
             other_forces=other_forces(M @ end.acceleration, films),  # Eq. (D15)
-            next_other_forces=other_forces(M @ kept.acceleration, films),
-            guided=guided.height,
+            next_other_forces=other_forces(M @ next_start.acceleration, films),
+            guide_height=guide.height,
             side_force=-skirt.lateral,
             films=on_grids,
             axial=AxialMotion(at.position[-1, Y], axial_velocity),
             pin_x=pin_x,
             pin_y=pin_y - on_grids.on_slopes,
-            pin_moment=lack.pin_moment,
-            torque=lack.torque - turning,
-            pin_friction_power=lack.pin_moment
+            pin_moment=imbalance.pin_moment,
+            torque=imbalance.torque - turning,
+            pin_friction_power=imbalance.pin_moment
             * (at.velocity[BODY.rod, TURN] - at.velocity[-1, TURN]),
             element_power=0.0,
             evaluations=solved.evaluations,
@@ -214,7 +214,7 @@ class PistonInSpace(PistonInBore):
 
     def _films(
         self,
-        guided: AxialMotion,
+        guide: AxialMotion,
         forces: NodalForces,
         nodal: list[NodalForces],
         parts: FilmParts,
@@ -224,7 +224,7 @@ class PistonInSpace(PistonInBore):
         """Return all films of the skirt at the end of a step."""
         shift, shifting = end.position[IN_SPACE], end.velocity[IN_SPACE]
         position, velocity = end.position[:RIGID], end.velocity[:RIGID]
-        flat = skirt_films(self.system, guided, forces, parts, axial_velocity, position, velocity)
+        flat = skirt_films(self.system, guide, forces, parts, axial_velocity, position, velocity)
         sides = self._space.levers
         slid = [side.sliding * shifting[ROLL - SHIFT] for side in sides]
         errors = []
@@ -232,8 +232,8 @@ class PistonInSpace(PistonInBore):
             on_grid = own.pressure * side.opening(shifting) + own.friction * sliding
             work = side.forces(own) * shifting
             size = np.abs(on_grid).sum() + np.abs(work).sum()
-            apart = abs(on_grid.sum() - work.sum())
-            errors.append(max(error, apart / size if size else 0.0))
+            difference = abs(on_grid.sum() - work.sum())
+            errors.append(max(error, difference / size if size else 0.0))
         return SkirtFilms(
             flat.film_thickness + on_cells(side.opening(shift) for side in sides),
             flat.sliding_velocity + on_cells(slid),
@@ -251,10 +251,10 @@ class PistonInSpace(PistonInBore):
             for one, other, shape in zip(*fields, shapes)
         ]
 
-    def _levers(self, guided: float) -> tuple[Levers, ...]:
+    def _levers(self, guide_height: float) -> tuple[Levers, ...]:
         """Return the levers of all surfaces, for A at its height when x_A = 0 [m]."""
         return tuple(
-            levers(surface, around, window_of(surface, guided))
+            levers(surface, around, window_of(surface, guide_height))
             for surface, around in zip(self.film_surfaces, self.around)
         )
 
@@ -284,11 +284,11 @@ class PistonInSpace(PistonInBore):
                 predicted.velocity + c.to_velocity * acceleration,
                 acceleration,
             )
-            lack = imbalance(self.bodies, load, end, crank)
+            forces = imbalance(self.bodies, load, end, crank)
             if slope is None:
                 slope = tangent(self.bodies, load, end, crank, c.to_velocity, c.to_position)
                 tangents += 1
-            fresh = np.linalg.solve(slope, lack.residual)
+            fresh = np.linalg.solve(slope, forces.residual)
             size = np.abs(acceleration).max()
             left = np.abs(fresh).max()
             # what grows again, or does not fall by ten, is round-off of forces that cancel
@@ -296,7 +296,7 @@ class PistonInSpace(PistonInBore):
                 return SpaceSolution(
                     load=load,
                     end=end,
-                    lack=lack,
+                    imbalance=forces,
                     evaluations=evaluation,
                     tangents=tangents,
                     change=left,
@@ -312,10 +312,10 @@ class PistonInSpace(PistonInBore):
             change = left
             acceleration = acceleration - step
         return SpaceSolution(
-            load=load, end=end, lack=lack, evaluations=0, tangents=tangents, change=change
+            load=load, end=end, imbalance=forces, evaluations=0, tangents=tangents, change=change
         )
 
-    def _limit(self, before: Motion, kept: Motion, carried: np.ndarray, step: float) -> float:
+    def _limit(self, before: Motion, next_start: Motion, carried: np.ndarray, step: float) -> float:
         """Bound what an impact step passes on (Eq. (N7)), in the plane and across it separately.
 
         Return the longest step of both (Eq. (N12)) [s].
@@ -331,7 +331,7 @@ class PistonInSpace(PistonInBore):
         for rigid, pair in ((in_plane, slice(0, RIGID)), (across, slice(SHIFT, YAW))):
             begun, ended = (
                 Motion(one.position[pair], one.velocity[pair], one.acceleration[pair])
-                for one in (before, kept)
+                for one in (before, next_start)
             )
             own = longest_step(rigid, begun, ended, carried[pair], step, self.system.resolution)
             longest = min(longest, own)
@@ -343,9 +343,9 @@ class PistonInSpace(PistonInBore):
         now = result.instant
         shift, roll, yaw = now.end.position[IN_SPACE]
         solved = self._space.solved
-        motion = (shift, self.bodies.tilt + roll, yaw, *now.kept.velocity[IN_SPACE])
-        held = -solved.load.across[0], *solved.lack.held
-        scalars = SpaceScalars._make([*motion, *held, *self._across])
+        motion = (shift, self.bodies.tilt + roll, yaw, *now.next_start.velocity[IN_SPACE])
+        out_of_plane = -solved.load.across[0], *solved.imbalance.out_of_plane
+        scalars = SpaceScalars._make([*motion, *out_of_plane, *self._across])
         return super()._outputs(result) | scalars._asdict()
 
     def _response(self, seeds: StepInputs, carried: np.ndarray) -> Response:
@@ -355,13 +355,13 @@ class PistonInSpace(PistonInBore):
 
         The block does not move, and the pin is tied.
         """
-        c, solved, crank, guided, sides = self._space
+        c, solved, crank, guide_height, sides = self._space
         load, end = solved.load, solved.end
         system = self.system
-        skirt = together(forces_by_film(system, guided, seeds.skirt))
+        skirt = total_forces(forces_by_film(system, guide_height, seeds.skirt))
         across = [side.forces(one) for side, one in zip(sides, self._nodal(seeds.skirt))]
         plane = load_change(system, skirt, seeds.rings, NO_MODES)
-        rigid = plane.lateral, plane.axial, plane.moment, plane.guided
+        rigid = plane.lateral, plane.axial, plane.moment, plane.axis_force
         change = SpaceLoad(*rigid, across=np.sum(across, axis=0))
         if self._inverse is None:
             self._inverse = np.linalg.inv(
@@ -372,12 +372,12 @@ class PistonInSpace(PistonInBore):
         # Eq. (D29)
         place = c.to_position * acceleration
         speed = c.to_velocity * acceleration
-        at = solved.lack.motion
+        at = solved.imbalance.motion
         (x, y), (passing, _, _) = at.arm[-1], at.velocity[-1] - at.velocity[BODY.rod]
         steeper = (x * x + y * y) / y**3 * passing
         rising = -x / y * speed[LATERAL] - steeper * place[LATERAL]
         in_plane = Change(place[:RIGID], speed[:RIGID])
-        flat = skirt_changes(system, guided, rising, in_plane, Change(NO_MODES, NO_MODES))
+        flat = skirt_changes(system, guide_height, rising, in_plane, Change(NO_MODES, NO_MODES))
         return Response(
             film_thickness=flat.film_thickness
             + on_cells(side.opening(place[IN_SPACE]) for side in sides),

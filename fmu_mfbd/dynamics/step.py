@@ -274,8 +274,10 @@ class Warmth(NamedTuple):
 
 
 @compilable
-def warmth_at(model: BodyModel, before: PistonState, inputs: StepInputs, guided: float) -> Warmth:
-    """Return what the temperatures do when the bore is read at the height `guided` [m]."""
+def warmth_at(
+    model: BodyModel, before: PistonState, inputs: StepInputs, guide_height: float
+) -> Warmth:
+    """Return what the temperatures do when the bore is read at the height `guide_height` [m]."""
     surfaces, p = model.parts.surfaces, model.settings
     skirt = level_of(inputs.fields.skirt, inputs.piston_temperature)
     bore = level_of(inputs.fields.bore, inputs.bore_temperature)
@@ -285,8 +287,8 @@ def warmth_at(model: BodyModel, before: PistonState, inputs: StepInputs, guided:
     work = growth_work(force, opening - before.thermal_opening)
     if len(growth) > 0 and len(before.field_growth) > 0:
         warmed = before.field_growth, growth
-        work += field_work(surfaces, model.cold, force, guided, *warmed)
-    return Warmth(opening, growth, work, oil_temperatures(surfaces, guided, skirt, bore))
+        work += field_work(surfaces, model.cold, force, guide_height, *warmed)
+    return Warmth(opening, growth, work, oil_temperatures(surfaces, guide_height, skirt, bore))
 
 
 @compilable
@@ -316,7 +318,7 @@ def result_of(
     system = model.parts
     settings = model.settings
     crank = step.crank
-    last = StepEnd(step.coefficients, now.guided, now.end, crank, now.linear)
+    last = StepEnd(step.coefficients, now.guide_height, now.end, crank, now.linear)
     _turn_block(model, last, inputs.skirt.pressure)
     torque = now.torque + settings.crank_inertia * crank.acceleration
     jerk = 0.0
@@ -327,7 +329,7 @@ def result_of(
         crank = CrankMotion(crank.angle, crank.speed, freed)
         torque = -inputs.load_torque
     steps = before.steps if step.coefficients.step == 0.0 else before.steps + 1
-    warmth = warmth_at(model, before, inputs, now.guided)
+    warmth = warmth_at(model, before, inputs, now.guide_height)
     opening = warmth.opening
     for k in range(len(now.films.film_thickness)):
         now.films.film_thickness[k] += opening
@@ -378,7 +380,7 @@ def _turn_block(model, last, pressure):
     lever = _lever(model, last.crank)
     if lever == 0.0:
         return
-    modal = skirt_slopes(model.parts, last.guided, pressure).modal
+    modal = skirt_slopes(model.parts, last.guide_height, pressure).modal
     by = reach_of(last.coefficients, model.parts.kinds)
     first = modes_of(model)[1] - len(modal)
     for k in range(len(modal)):

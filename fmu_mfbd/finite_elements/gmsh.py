@@ -195,12 +195,12 @@ def _elements_22(body, binary):
             table = np.array([row[3 + tags : 3 + tags + nodes] for row in same])
             yield ElementBlock(kind, (group,) if group else (), table)
         return
-    numbers, seen = _Numbers(body, binary), 0
-    while seen < int(count):
+    numbers, count_read = _Numbers(body, binary), 0
+    while count_read < int(count):
         number, elements, tags = numbers.take("i4", 3)
         kind, nodes = _kind(number)
         table = numbers.take("i4", elements * (1 + tags + nodes)).reshape(elements, -1)
-        seen += int(elements)
+        count_read += int(elements)
         groups = table[:, 1] if tags else np.zeros(elements, dtype=int)
         for same in np.split(table, np.flatnonzero(np.diff(groups)) + 1):
             group = int(same[0, 1]) if tags else 0

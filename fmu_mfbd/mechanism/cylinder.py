@@ -97,13 +97,13 @@ class FreeSlides(NamedTuple):
     ----------
     acts : ndarray, shape (r,)
         Number in `force_elements.element.BODIES` of the body that hangs on the joint.
-    turns, way
+    turns, direction
         As of `chain.Joints`.
     """
 
     acts: np.ndarray
     turns: np.ndarray
-    way: np.ndarray
+    direction: np.ndarray
 
 
 NO_SLIDES = FreeSlides(NO_ELEMENTS, NO_ELEMENTS, np.zeros((0, 2)))
@@ -251,7 +251,7 @@ def _joints_of(c, plays):
     piston = n - 1
     parent, angle = np.full(n, BLOCK), np.full(n, NONE)
     marker, driven, offset = np.zeros((n, 2)), np.zeros(n), np.zeros(n)
-    held, guide = np.full(n, NONE), np.full(n, NONE)
+    tip_body, guide = np.full(n, NONE), np.full(n, NONE)
     for b in range(1, n):
         parent[b] = b - 1
     angle[piston] = ROCKING
@@ -259,11 +259,11 @@ def _joints_of(c, plays):
         angle[BODY.pin] = PIN.spin
     driven[BODY.crank] = 1.0
     marker[BODY.rod, Y], marker[BODY.rod + 1, Y] = c.mechanism.crank_radius, c.mechanism.rod_length
-    held[BODY.rod], guide[piston], offset[piston] = BODY.rod + 1, LATERAL, c.mechanism.offset
+    tip_body[BODY.rod], guide[piston], offset[piston] = BODY.rod + 1, LATERAL, c.mechanism.offset
     friction = np.zeros((n, 3))
     if not c.floats:
         put_pin_friction(friction[piston], c.mechanism.friction)
-    first, slide, turns, way = _slides_of(c.slides, plays)
+    first, slide, turns, direction = _slides_of(c.slides, plays)
     size = RIGID + len(slide) + c.floats
     out = Joints(
         parent=parent,
@@ -271,10 +271,10 @@ def _joints_of(c, plays):
         first_slide=first,
         slide=slide,
         turns=turns,
-        way=way,
+        direction=direction,
         marker=marker,
         driven=driven,
-        held=held,
+        tip_body=tip_body,
         offset=offset,
         tip=np.zeros((n, size)),
         friction=friction,
@@ -288,7 +288,11 @@ def _slides_of(free, plays):
     """Return the first slide of each joint, and coordinate, axes and direction of all slides."""
     n, size = len(plays), RIGID + (1 if len(plays) > BODY.pin + 1 else 0)
     most = 2 * n + len(free.acts)
-    first, slide, way = np.zeros(n + 1, np.int64), np.empty(most, np.int64), np.zeros((most, 2))
+    first, slide, direction = (
+        np.zeros(n + 1, np.int64),
+        np.empty(most, np.int64),
+        np.zeros((most, 2)),
+    )
     turns = np.full(most, IN_BLOCK)
     for b in range(n):
         size += 2 if plays[b] >= 0 else 0
@@ -300,16 +304,16 @@ def _slides_of(free, plays):
                 if min(free.acts[i], n - 1) == b:
                     j = first[b + 1]
                     slide[j], turns[j] = size + i, free.turns[i]
-                    way[j, X], way[j, Y] = free.way[i, X], free.way[i, Y]
+                    direction[j, X], direction[j, Y] = free.direction[i, X], free.direction[i, Y]
                     first[b + 1] = j + 1
         else:
             # Eqs. (K16), (K25)
             sign = -1.0 if b == n - 1 or b == BODY.rod else 1.0
             slide[k], slide[k + 1] = plays[b], plays[b] + 1
-            way[k, X], way[k + 1, Y] = sign, sign
+            direction[k, X], direction[k + 1, Y] = sign, sign
             first[b + 1] = k + 2
     last = first[n]
-    return first, slide[:last].copy(), turns[:last].copy(), way[:last].copy()
+    return first, slide[:last].copy(), turns[:last].copy(), direction[:last].copy()
 
 
 @compilable

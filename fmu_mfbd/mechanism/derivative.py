@@ -258,7 +258,7 @@ class PushedForces(NamedTuple):
 
 @compilable
 def pushed_forces(
-    chain: Chain, forces: ChainForces, now: Motion, loads: Loads, given: Carrier
+    chain: Chain, forces: ChainForces, now: Motion, loads: Loads, carrier: Carrier
 ) -> PushedForces:
     """Compute the derivative of all forces in a direction of loads and of a given block's motion.
 
@@ -268,7 +268,7 @@ def pushed_forces(
     forces : ChainForces
     now : Motion
         Of all m + k coordinates.
-    loads, given : Loads, Carrier
+    loads, carrier : Loads, Carrier
         The direction.
 
     Returns
@@ -279,8 +279,8 @@ def pushed_forces(
     n, m = chain.joints.tip.shape
     still = no_changes(chain.joints)
     shaken = np.empty((4, 1))
-    shaken[AX, 0], shaken[AY, 0] = given.ax, given.ay
-    shaken[ALPHA, 0], shaken[W, 0] = given.alpha, given.w
+    shaken[AX, 0], shaken[AY, 0] = carrier.ax, carrier.ay
+    shaken[ALPHA, 0], shaken[W, 0] = carrier.alpha, carrier.w
     inertia = shaken_forces(chain.bodies, at, forces.inertia, still, shaken)
     total = _total_change(at, forces.inertia.wrench, still, inertia.wrench)
     push, top = np.zeros((n, 3)), np.zeros((m, 1))

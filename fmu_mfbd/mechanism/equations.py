@@ -50,15 +50,15 @@ class ChainForces(NamedTuple):
 
 @compilable
 def chain_forces(
-    chain: Chain, loads: Loads, now: Motion, drive: CrankMotion, given: Carrier
+    chain: Chain, loads: Loads, now: Motion, drive: CrankMotion, carrier: Carrier
 ) -> ChainForces:
     """Compute the motion of all bodies, and by it the residual of `forces_at`."""
-    return forces_at(chain, loads, chain_motion(chain.joints, now, drive), now, given)
+    return forces_at(chain, loads, chain_motion(chain.joints, now, drive), now, carrier)
 
 
 @compilable
 def forces_at(
-    chain: Chain, loads: Loads, at: ChainMotion, now: Motion, given: Carrier
+    chain: Chain, loads: Loads, at: ChainMotion, now: Motion, carrier: Carrier
 ) -> ChainForces:
     """Compute the residual of the equations of motion.
 
@@ -82,7 +82,7 @@ def forces_at(
     at : ChainMotion
     now : Motion
         Of all m + k coordinates.
-    given : Carrier
+    carrier : Carrier
         Motion of a block without coordinates.
 
     Returns
@@ -90,7 +90,7 @@ def forces_at(
     ChainForces
     """
     m = chain.joints.tip.shape[1]
-    inertia = inertia_forces(chain.bodies, at, now, block_motion(chain.block, now, given), m)
+    inertia = inertia_forces(chain.bodies, at, now, block_motion(chain.block, now, carrier), m)
     residual = np.zeros(len(now.position))
     for i in range(len(loads.modal)):
         residual[m + i] = inertia.modal[i] - loads.modal[i]
@@ -125,10 +125,10 @@ def forces_at(
 
 
 @compilable
-def block_motion(block: int, now: Motion, given: Carrier) -> Carrier:
-    """Return the motion of the block, `given` unless it has coordinates from `block` on."""
+def block_motion(block: int, now: Motion, carrier: Carrier) -> Carrier:
+    """Return the motion of the block, `carrier` unless it has coordinates from `block` on."""
     if block < 0:
-        return given
+        return carrier
     a = now.acceleration
     return Carrier(a[block], a[block + 1], a[block + 2], now.velocity[block + 2])
 

@@ -246,17 +246,17 @@ def _put_forces(bodies, at, now, m, out):
             # Eq. (D3)
             push = bodies.T[X, i] * f.ax + bodies.T[Y, i] * f.ay + f.alpha * gq
             push += 2 * w * out.gv[i] - w2 * out.bq[i]
-            held = bodies.damping[i] * now.velocity[m + i]
-            held += bodies.stiffness[i] * now.position[m + i]
-            out.modal[i] = push + a + held
+            spring = bodies.damping[i] * now.velocity[m + i]
+            spring += bodies.stiffness[i] * now.position[m + i]
+            out.modal[i] = push + a + spring
         c, s = at.axes[b, 0], at.axes[b, 1]
         out.wrench[b, X] = c * x - s * y
         out.wrench[b, Y] = s * x + c * y
         out.wrench[b, TURN] = moment
     for i in range(bodies.first_mode[-1], len(out.modal)):
         # Eq. (D40)
-        held = bodies.damping[i] * now.velocity[m + i] + bodies.stiffness[i] * now.position[m + i]
-        out.modal[i] = now.acceleration[m + i] + held
+        spring = bodies.damping[i] * now.velocity[m + i] + bodies.stiffness[i] * now.position[m + i]
+        out.modal[i] = now.acceleration[m + i] + spring
     f = frame_state(out.frames, len(bodies.mass) - 1)
     for i in range(bodies.first_mode[-1], len(bodies.b)):
         # Eq. (D6)
@@ -423,5 +423,5 @@ def _put_modal_columns(bodies, at, now, m, forces, by, out):
     for i in range(bodies.first_mode[-1], len(out.diagonal)):
         j = m + i
         # Eq. (D40)
-        held = by.velocity[j] * bodies.damping[i] + by.position[j] * bodies.stiffness[i]
-        out.diagonal[i] = by.acceleration[j] + held
+        spring = by.velocity[j] * bodies.damping[i] + by.position[j] * bodies.stiffness[i]
+        out.diagonal[i] = by.acceleration[j] + spring

@@ -20,7 +20,7 @@ from .floating_frame import TURN, Arrow, X, Y
 from .generalised_alpha import Motion, Prediction
 from .inertia import InertiaForces, coupling_of, frame_state
 from .laws import add_laws, law_sizes
-from .loads import HeldForces, loads_at
+from .loads import AppliedForces, loads_at
 from .motion import ChainMotion, Increments, chain_motion
 from .slider_crank import CrankMotion
 
@@ -117,12 +117,12 @@ class ChainSolution(NamedTuple):
 @compilable
 def solve_motion(
     chain: Chain,
-    held: HeldForces,
+    applied: AppliedForces,
     predicted: Prediction,
     guess: np.ndarray,
     by: Increments,
     drive: CrankMotion,
-    given: Carrier,
+    carrier: Carrier,
 ) -> ChainSolution:
     """Solve for the unknowns at the end of a step that fulfil the equations of motion.
 
@@ -139,14 +139,14 @@ def solve_motion(
     Parameters
     ----------
     chain : Chain
-    held : HeldForces
+    applied : AppliedForces
         Of all elements.
     predicted : Prediction
         With unknowns of zero.
     guess : ndarray, shape (m + k,)
         Unknowns to start from.
     by : Increments
-    drive, given
+    drive, carrier
         As for `chain_forces`.
 
     Returns
@@ -158,10 +158,10 @@ def solve_motion(
     now = Motion(np.empty(n), np.empty(n), np.empty(n))
     _move(now, predicted, by, unknown)
     at = chain_motion(chain.joints, now, drive)
-    loads = loads_at(chain, held, at, now)
+    loads = loads_at(chain, applied, at, now)
     if has_laws:
         add_laws(chain, at, drive.angle, loads)
-    forces = forces_at(chain, loads, at, now, given)
+    forces = forces_at(chain, loads, at, now, carrier)
     slope = chain_derivative(chain, loads, now, forces, by)
     factors = factorise_chain(slope.arrow)
     tangents = 1
@@ -170,10 +170,10 @@ def solve_motion(
     for evaluation in range(1, PASSES):
         if evaluation > 1:
             at = chain_motion(chain.joints, now, drive)
-            loads = loads_at(chain, held, at, now)
+            loads = loads_at(chain, applied, at, now)
             if has_laws:
                 add_laws(chain, at, drive.angle, loads)
-            forces = forces_at(chain, loads, at, now, given)
+            forces = forces_at(chain, loads, at, now, carrier)
             if evaluation == 2:  # it hardly changes any more
                 noise = ROUND_OFF * _noise(chain, loads, now, forces, slope, by)
             if size <= 1e-11 * total + noise:

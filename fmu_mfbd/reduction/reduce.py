@@ -536,7 +536,7 @@ def _film_shapes(
 def faults_of_modes(
     mesh: Mesh,
     options: Piston | Block,
-    held: str,
+    support: str,
     surface: str,
     angle: np.ndarray,
     height: np.ndarray,
@@ -548,7 +548,7 @@ def faults_of_modes(
     ----------
     mesh : Mesh
     options : Piston or Block
-    held, surface : str
+    support, surface : str
         Names of the surface that supports the body, and of the film surface.
     angle, height : ndarray
         Lines of the film grid [rad], [m].
@@ -570,12 +570,12 @@ def faults_of_modes(
             f"mirror image about the thrust plane, got {len(angle)} cells and {len(mesh.points)} "
             "nodes"
         )
-    held_nodes = mesh.nodes(held)
+    held_nodes = mesh.nodes(support)
     arms = mesh.points[held_nodes] - mesh.points.mean(axis=0)
     loose = 6 - np.linalg.matrix_rank(rigid_motions(arms), tol=1e-9)
     if loose:
         faults.append(
-            f"surface '{held}': expected nodes that hold the body, got {len(held_nodes)} that "
+            f"surface '{support}': expected nodes that hold the body, got {len(held_nodes)} that "
             f"leave {loose} rigid motions"
         )
     free_on_surface = len(np.setdiff1d(mesh.nodes(surface), held_nodes))

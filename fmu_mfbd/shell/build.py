@@ -29,8 +29,8 @@ def declared_variables(options: dict[str, Any] | None, folder: Path) -> list[Var
     BadInput
         Every fault of the table.
     """
-    given = options is not None
-    return variables(read_options(options, folder, BuildShell).grid if given else (4, 4))
+    has_options = options is not None
+    return variables(read_options(options, folder, BuildShell).grid if has_options else (4, 4))
 
 
 def prepare(

@@ -184,8 +184,8 @@ def loads_of(chain, load, now, films):
     The films are those of both bosses together, eye, and crank.
     """
     bosses, *others = ([*one.force, one.on_pin, one.on_shell] for one in films)
-    skirt = [load.lateral, load.axial + load.guided, load.moment, 0.0]
-    gas = [0.0, -load.guided, 0.0, 0.0]
+    skirt = [load.lateral, load.axial + load.axis_force, load.moment, 0.0]
+    gas = [0.0, -load.axis_force, 0.0, 0.0]
     wrench = np.array([bosses, np.zeros(4), *others, skirt, gas])
     return Loads(wrench, load.modal)
 

@@ -16,12 +16,12 @@ from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_force
 from piston_cosim.fmu_mfbd.dynamics.instant import gas_on_modes, load_of, of_skirt, on_modes
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, ON_FLEXIBLE_BLOCK, stacked
 from piston_cosim.fmu_mfbd.dynamics.parameters import PinParameters
-from piston_cosim.fmu_mfbd.dynamics.pin_films import film_pushes, held_forces
+from piston_cosim.fmu_mfbd.dynamics.pin_films import applied_forces, film_pushes
 from piston_cosim.fmu_mfbd.dynamics.skirt_films import (
     AxialMotion,
     forces_by_film,
     skirt_films,
-    together,
+    total_forces,
 )
 from piston_cosim.fmu_mfbd.dynamics.start_state import check_start, read_start
 from piston_cosim.fmu_mfbd.dynamics.step import others_at
@@ -66,11 +66,11 @@ from .test_crank_films import Points, second_derivative
 
 def forces_of_all(model, inputs):
     """Return the forces of all elements of a chain at the end of the last step."""
-    given, system, guided = stacked(inputs), model.system, model._last.guided
+    given, system, guided = stacked(inputs), model.system, model._last.guide_height
     others = others_at(model.model, given, model._last.crank)
-    skirt = together(forces_by_film(system, guided, given.skirt))
+    skirt = total_forces(forces_by_film(system, guided, given.skirt))
     load = load_of(system, skirt, others, on_modes(skirt))
-    held = held_forces(system, load, given.pins, film_pushes(system, given.pins))
+    held = applied_forces(system, load, given.pins, film_pushes(system, given.pins))
     held.modal[: skirt_modes(system)] += gas_on_modes(system, guided, others)
     return held
 
@@ -78,8 +78,8 @@ def forces_of_all(model, inputs):
 def on_slopes(model, inputs):
     """Return the axial force of the films on the slopes of the bore [N]."""
     given, system, last = stacked(inputs), model.system, model._last
-    crank = AxialMotion(last.guided, 0.0)
-    parts = forces_by_film(system, last.guided, given.skirt)
+    crank = AxialMotion(last.guide_height, 0.0)
+    parts = forces_by_film(system, last.guide_height, given.skirt)
     way = of_skirt(system, last.now.position), of_skirt(system, last.now.velocity)
     return skirt_films(system, crank, given.skirt, parts, 0.0, *way).on_slopes
 
@@ -101,8 +101,8 @@ def test_a_block_around_a_floating_pin_yields_by_its_springs():
     state, _ = model.start(0.3, 0.0, 0.0, inputs)
     for _ in range(600):
         state, out = model.advance(state, inputs, 1e-6)
-    guided = model._last.guided
-    force = together(forces_by_film(model.system, guided, stacked(inputs).skirt)).block
+    guided = model._last.guide_height
+    force = total_forces(forces_by_film(model.system, guided, stacked(inputs).skirt)).block
     force = force + wall_forces(model.system.wall, guided, WallPressures(inputs.gas_pressure, 0.0))
     wanted = force / flexible_block().omega ** 2
     assert len(wanted) == BLOCK_MODES

@@ -128,7 +128,7 @@ def test_equations_of_motion_against_newtons_law_of_every_body(names):
         name: PinResultants(3e3 * rng.standard_normal(2), *rng.standard_normal(2))
         for name in ("bosses", "eye", *names)
     }
-    load = Load(lateral=110.0, axial=-9e3, moment=1.5, guided=800.0, modal=np.zeros(0))
+    load = Load(lateral=110.0, axial=-9e3, moment=1.5, axis_force=800.0, modal=np.zeros(0))
     loads = loads_of(model.chain, load, now, films.values())
     found = chain_forces(model.chain, loads, now, crank, FIXED)
 
@@ -158,7 +158,7 @@ def test_equations_of_motion_against_newtons_law_of_every_body(names):
         lever = np.array([[c, -s], [s, c]]) @ CENTRE
         of_A = by_place[0] - piston * np.array([-lever[1], lever[0]])
         given = of_A @ [load.lateral, load.axial]
-        given += piston * (load.moment + load.guided * now.position[0])
+        given += piston * (load.moment + load.axis_force * now.position[0])
         starts = {"bosses": 2, "eye": 4} | {name: 7 + 2 * j for j, name in enumerate(names)}
         shells = {"bosses": piston, "eye": rod, "big_end": rod, "main_bearing": 0.0}
         drive = float(k == len(now.position))

@@ -128,7 +128,7 @@ def test_rows_of_shapes_and_shells_by_hand():
     now = Motion(*(1e-3 * rng.standard_normal((3, COORDINATES + 4))))
     rigid = Motion(*(one[:COORDINATES] for one in now))
     crank = CrankMotion(0.7, 100.0, 0.0)
-    load = Load(lateral=11.0, axial=-900.0, moment=1.5, guided=800.0, modal=np.zeros(0))
+    load = Load(lateral=11.0, axial=-900.0, moment=1.5, axis_force=800.0, modal=np.zeros(0))
     films = [PinResultants(rng.standard_normal(2), 0.2, -0.3) for _ in range(2)]
     push = np.array([5.0, -4.0, 5.0, -4.0])
     loads = loads_of(plain, load, now, films)

@@ -109,7 +109,7 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
     # what turns the crank itself is the drive's, and the chain leaves it to its caller
     needed[[2, 5]] -= UNBALANCE**2 / WEIGHT * (dw + MOVING.alpha)
     loaded = tied_forces(chain, load, now, crank, MOVING)
-    free = load._replace(lateral=0.0, axial=0.0, moment=0.0, guided=0.0)
+    free = load._replace(lateral=0.0, axial=0.0, moment=0.0, axis_force=0.0)
     bare = tied_forces(chain, free, now, crank, MOVING)
     size = np.abs(needed).max()  # differences of fourth order: 1e-9 of the largest
     np.testing.assert_allclose([*bare.residual, bare.torque], needed[:3], atol=1e-9 * size)

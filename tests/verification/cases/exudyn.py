@@ -161,7 +161,7 @@ def _end_of_step(piston, time, c: Coefficients, predicted: Prediction, guess) ->
             lateral=-drive.lateral_stiffness * end[LATERAL],
             axial=-F,
             moment=-drive.turning_stiffness * end[ROCKING],
-            guided=0.0,  # in Exudyn the force stays on A
+            axis_force=0.0,  # in Exudyn the force stays on A
             modal=F * piston.gas_shape,
         )
         now = solve_motion(chain, forces_of(chain, load), predicted, a, by, crank, FIXED).now

@@ -191,8 +191,10 @@ def chain_of(
         first_slide=np.cumsum([0, *(len(link.slides) for link in links)], dtype=np.int64),
         slide=whole(slides, "coordinate"),
         turns=whole(slides, "turns"),
-        way=real(slides, "way", (2,)),
-        held=np.array([parents.index(k) if one.swings else NONE for k, one in enumerate(links)]),
+        direction=real(slides, "way", (2,)),
+        tip_body=np.array(
+            [parents.index(k) if one.swings else NONE for k, one in enumerate(links)]
+        ),
         tip=np.zeros((len(links), coordinates)),
         **pairs,
         **{name: whole(links, name) for name in ("parent", "angle")},
