@@ -26,7 +26,7 @@ from .machine_code import native_choice
 from .opening import open_participant
 from .symmetry import half_films
 from .times import record_interval
-from .values import given_values
+from .values import parameter_values
 from .wires import (
     check_elements,
     check_sources,
@@ -74,8 +74,8 @@ def open_system(
         whole = [MASTER] if native == case.participants.keys() else []
         compile_ahead([*whole, *needed], progress)
     builds = build_options(case, folder, progress)
-    participants, given = {}, case.participants
-    for name in given:
+    participants, tables = {}, case.participants
+    for name in tables:
         with collecting(faults, f"participants.{name}."):
             how = builds[name], folder, progress, name in native, [*participants.values()]
             participants[name] = finished.get(name) or open_participant(name, case, *how)
@@ -83,7 +83,7 @@ def open_system(
         raise BadInput(faults)
     halves = half_films(case, folder, declared, builds, faults)
     parameters = {
-        name: given_values(one, {**halves.get(name, {}), **given[name].parameters}, faults)
+        name: parameter_values(one, {**halves.get(name, {}), **tables[name].parameters}, faults)
         for name, one in participants.items()
     }
     check_sources(case.wires, faults)
@@ -190,7 +190,7 @@ def open_finished(
         return opened  # nothing is built, so that all further faults are found together
     known = declared.participants | opened
     for name, participant in opened.items():
-        given_values(participant, case.participants[name].parameters, faults)
+        parameter_values(participant, case.participants[name].parameters, faults)
     declared_wires(case, known, faults)
     if opened and known.keys() == case.participants.keys():
         check_ports(case, known, faults)

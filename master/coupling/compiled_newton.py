@@ -131,15 +131,15 @@ class Iteration:
         self.all_ends: list[Any] = [interface.ends[name] for name in self.names]
         layout, wires = interface.layout, len(interface.wires)
         rows: list[ParticipantRow] = []
-        end = standing = 0
+        end = saved = 0
         for k, ends in enumerate(self.all_ends):
             variables = _variables(ends)
             reals = 2 * variables
-            places = dict(real=end, integer=end + reals, memory=end + reals, standing=standing)
+            places = dict(real=end, integer=end + reals, memory=end + reals, saved=saved)
             sizes = dict(reals=reals, memories=EMPTY, variables=variables)
             rows.append(ParticipantRow(FIRST_CALLED + k, **places, **sizes))
             end += reals + EMPTY
-            standing += variables
+            saved += variables
         setup = CoupledSetup(
             Rules(
                 *(0.0, 0.0, 0.0, 1, 0),  # Python steps
@@ -149,7 +149,7 @@ class Iteration:
                 newton.forcing,
             ),
             layout,
-            standing=standing,
+            saved=saved,
             pairs=min(KEPT, len(layout.unknowns)),
             order=np.arange(len(rows), dtype=float),
             starting=np.zeros(0),

@@ -67,9 +67,9 @@ class Ends:
         self.written.values[self.of_written] = values
         self.written.put()
 
-    def differentiate(self, seen: np.ndarray, result: np.ndarray) -> None:
+    def differentiate(self, change: np.ndarray, result: np.ndarray) -> None:
         """Write the change of the outputs for a change of the inputs."""
-        values = self.derive(self.inputs, np.atleast_1d(seen[self.into]), self.outputs)
+        values = self.derive(self.inputs, np.atleast_1d(change[self.into]), self.outputs)
         result[self.out] = values[self.of_taken]
 
     def values(self) -> Any:
@@ -196,12 +196,14 @@ class Interface:
         is_small = 0 < self.size <= SMALL and set(sizes) == {1} and self.tolerance.all()
         scalars = is_small and not self.relative
         self._scalar_tolerances = self.tolerance.tolist() if scalars else None
-        self.apart = {name for name, p in participants.items() if getattr(p, "runs_apart", False)}
+        self.separate = {
+            name for name, p in participants.items() if getattr(p, "runs_apart", False)
+        }
         self.derived = {name for name, p in participants.items() if p.has_derivatives}
         if self.difference == DIFFERENCE:
             # those apart repeat a step by themselves, which takes fewer messages
-            self.derived |= self.apart - self.discrete_inputs.keys()
-        self.stages = self._stages(against) if self.apart else [[name] for name in participants]
+            self.derived |= self.separate - self.discrete_inputs.keys()
+        self.stages = self._stages(against) if self.separate else [[name] for name in participants]
 
     def _stages(self, against: Sequence[bool]) -> list[list[str]]:
         """Participants by the longest chain of wires along the order that leads to them."""
@@ -282,12 +284,12 @@ class Interface:
                     self._carry(name)
             fed = perf_counter()
             transport += fed - now
-            if step and self.apart:
+            if step and self.separate:
                 self._step(stage, *step)
             elif step:  # a stage of one
                 self.participants[stage[0]].step(*step)
             now = perf_counter()
-            if not self.apart:
+            if not self.separate:
                 spent[stage[0]] += now - fed
             for name in stage:
                 self.ends[name].hear(used, y)
@@ -312,12 +314,12 @@ class Interface:
         A discarded step or a fault is raised after all of them have answered.
         """
         participants: Mapping[str, Any] = self.participants  # begin_step: only where apart
-        apart = [name for name in stage if name in self.apart]
-        here = [name for name in stage if name not in self.apart]
+        separate = [name for name in stage if name in self.separate]
+        here = [name for name in stage if name not in self.separate]
         calls = [
-            *((name, partial(participants[name].begin_step, time, step)) for name in apart),
+            *((name, partial(participants[name].begin_step, time, step)) for name in separate),
             *((name, partial(participants[name].step, time, step)) for name in here),
-            *((name, participants[name].end_step) for name in apart),
+            *((name, participants[name].end_step) for name in separate),
         ]
         failures: dict[str, Discard | ParticipantFault] = {}
         for name, call in calls:
@@ -349,20 +351,20 @@ class Interface:
         ndarray, shape (size,)
             Change of all outputs.
         """
-        seen = np.zeros(self.size)
-        seen[self.unknowns] = change[self.unknowns]
+        input_change = np.zeros(self.size)
+        input_change[self.unknowns] = change[self.unknowns]
         result = np.zeros(self.size)
         for name, ends in self.ends.items():
             if not (ends.inputs and ends.outputs):
                 continue  # nothing depends on it, or it depends on nothing
             begun = perf_counter()
             if name in self.derived or self._last is None:
-                ends.differentiate(seen, result)
+                ends.differentiate(input_change, result)
             else:
-                result[ends.out] = self._difference(name, *self._last, seen[ends.into])
+                result[ends.out] = self._difference(name, *self._last, input_change[ends.into])
             self.spent[name] += perf_counter() - begun
             if ends.forward is not None:
-                seen[ends.forward] = result[ends.forward]
+                input_change[ends.forward] = result[ends.forward]
         return result
 
     def _difference(

@@ -57,17 +57,19 @@ OUTWARD, INWARD = 1.0, 0.0
 
 
 @compiled
-def carry(real: np.ndarray, integer: np.ndarray, system: System, rows: np.ndarray, way: float):
+def carry(
+    real: np.ndarray, integer: np.ndarray, system: System, rows: np.ndarray, direction: float
+):
     """Copy variables of the FMU to the participants, or from them."""
     for k in range(len(rows)):
         one = exposed_from(rows[k])
         for i in range(one.length):
             outer, inner = one.place + i, one.own_place + i
-            if one.is_integer and way == OUTWARD:
+            if one.is_integer and direction == OUTWARD:
                 integer[outer] = integer_of(system, one.owner)[inner]
             elif one.is_integer:
                 integer_of(system, one.owner)[inner] = integer[outer]
-            elif way == OUTWARD:
+            elif direction == OUTWARD:
                 real[outer] = real_of(system, one.owner)[inner]
             else:
                 real_of(system, one.owner)[inner] = real[outer]
@@ -118,7 +120,7 @@ def longest_step(system: System, limits: np.ndarray) -> float:
 class StepBegin(NamedTuple):
     """Members of `CoupledState` at the begin of a macro step, but the pairs."""
 
-    standing: np.ndarray
+    saved: np.ndarray
     known: np.ndarray
     times: np.ndarray
     past: np.ndarray
@@ -127,15 +129,13 @@ class StepBegin(NamedTuple):
 @compiled
 def begin_of(state: CoupledState):
     """Return copies of the state at the begin of a macro step, which is saved."""
-    return StepBegin(
-        state.standing.copy(), state.known.copy(), state.times.copy(), state.past.copy()
-    )
+    return StepBegin(state.saved.copy(), state.known.copy(), state.times.copy(), state.past.copy())
 
 
 @compiled
 def return_to(begin: StepBegin, system: System, state: CoupledState):
     """Return to the begin of a macro step, and forget the products of its parts."""
-    keep(state.standing, begin.standing)
+    keep(state.saved, begin.saved)
     keep(state.known, begin.known)
     keep(state.times, begin.times)
     for k in range(len(state.past)):

@@ -53,7 +53,7 @@ class ParticipantRow(NamedTuple):
     variables : number of real variables without seeds and products;
     setup, contents : length of the first part of its memory, and position in
     `CoupledSetup.contents`;
-    standing : position in `CoupledState.standing`.
+    saved : position in `CoupledState.saved`.
     """
 
     code: int
@@ -70,7 +70,7 @@ class ParticipantRow(NamedTuple):
     variables: int = 0
     setup: int = 0
     contents: int = 0
-    standing: int = 0
+    saved: int = 0
 
 
 class WireRow(NamedTuple):
@@ -144,14 +144,14 @@ class ExposedVariables(NamedTuple):
 class CoupledSetup(NamedTuple):
     """First part of the memory.
 
-    standing, pairs : elements of `CoupledState.standing`; pairs of GMRES.
+    saved, pairs : elements of `CoupledState.saved`; pairs of GMRES.
     order, starting : participants;
     participants, wires : rows; contents : of participants' memories and variables.
     """
 
     rules: Rules
     layout: Layout
-    standing: int
+    saved: int
     pairs: int
     order: Annotated[Array, "count"]
     starting: Annotated[Array, "count"]
@@ -167,11 +167,11 @@ class CoupledSetup(NamedTuple):
 class CoupledState(NamedTuple):
     """State between macro steps.
 
-    standing : variables and states of all participants; times, past : accepted vectors, the oldest
+    saved : variables and states of all participants; times, past : accepted vectors, the oldest
     first, of which the first `known` are valid; pairs : the last member, which a saved state omits.
     """
 
-    standing: Annotated[Array, "standing"]
+    saved: Annotated[Array, "saved"]
     known: Number
     times: Annotated[Array, "predicted"]
     past: Annotated[Array, "predicted, size"]
@@ -222,7 +222,7 @@ def lengths_of(setup: CoupledSetup, inside: int, reals: int):
     inside : length of the part of this name; reals : number of real variables.
     """
     size, unknowns = len(setup.layout.nominal), len(setup.layout.unknowns)
-    state = _room_of_state(setup.standing, setup.rules.predicted, size, setup.pairs, unknowns)
+    state = _room_of_state(setup.saved, setup.rules.predicted, size, setup.pairs, unknowns)
     lengths = inside, state, state, _room_of_last(reals), ROOM, ROOM
     return lengths, _room_of_pairs(setup.pairs, unknowns)
 
@@ -231,7 +231,7 @@ SOLVED, FOUND = 2, 3
 """Positions in the numbers of `native.iterate`, behind step and time: 1 if there is a solution, and
 the first of what `find` notes.
 """
-_room_of_state = room_of(CoupledState, "standing, predicted, size, pairs, unknowns")
+_room_of_state = room_of(CoupledState, "saved, predicted, size, pairs, unknowns")
 _room_of_pairs = room_of(Pairs, "pairs, unknowns")
 _room_of_last = room_of(LastMacroStep, "reals")
 
@@ -240,7 +240,7 @@ _room_of_last = room_of(LastMacroStep, "reals")
 def nothing_yet(setup: CoupledSetup):
     """Return `CoupledState` before a start."""
     return CoupledState(
-        np.zeros(setup.standing),
+        np.zeros(setup.saved),
         np.zeros(1),
         np.zeros(setup.rules.predicted),
         np.zeros((setup.rules.predicted, len(setup.layout.nominal))),

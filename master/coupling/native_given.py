@@ -102,7 +102,7 @@ def coupled_inside(
     setup = CoupledSetup(
         Rules(*(known[name] for name in Rules._fields)),
         layout,
-        standing=sum(row.variables + row.states for row in rows),
+        saved=sum(row.variables + row.states for row in rows),
         pairs=min(KEPT, len(layout.unknowns)),
         order=np.array([names.index(name) for name in options.order], float),
         starting=np.array([names.index(name) for name in options.participants], float),
@@ -127,7 +127,7 @@ def _participants(
 ) -> list[ParticipantRow]:
     """Return the row of every participant."""
     rows: list[ParticipantRow] = []
-    end = filled = standing = 0
+    end = filled = saved = 0
     sentence = len(SENTENCES) + len(WIRE_SENTENCES) * wires
     for name, inside in insides.items():
         memories, first_state, states, first_fault = inside.setup[:PARTS_FROM].astype(int).tolist()
@@ -149,11 +149,11 @@ def _participants(
                 variables=inside.slave.real_count,
                 setup=len(inside.setup),
                 contents=filled,
-                standing=standing,
+                saved=saved,
             )
         )
         filled += len(inside.setup) + reals + integers
-        standing += inside.slave.real_count + states
+        saved += inside.slave.real_count + states
         sentence += len(inside.part.faults)
     return rows
 

@@ -63,13 +63,13 @@ def put(to: Array, positions: Positions, what: Array):
 @compilable
 def largest(measures: Sequence[float] | Array):
     """Return the largest of some numbers not below 0, NaN if one is NaN."""
-    found = 0.0
+    maximum = 0.0
     for measure in measures:
-        if not measure <= found:
-            found = measure
-            if found != found:
+        if not measure <= maximum:
+            maximum = measure
+            if maximum != maximum:
                 break
-    return found
+    return maximum
 
 
 NEAR = 1e-6

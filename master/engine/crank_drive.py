@@ -35,12 +35,12 @@ def crank_drive(results: Results, body: str, owner: str, motion: np.ndarray) -> 
         Motion of the piston, see `Solid`.
     """
     table = results.case["participants"][body]
-    given = table.get("parameters", {})
+    parameters = table.get("parameters", {})
     bore = _bore_radius(results, body)
-    if not bore or not {"crank_radius", "rod_length"} <= {*given}:
+    if not bore or not {"crank_radius", "rod_length"} <= {*parameters}:
         return []
-    throw, length = (to_si(given[name], "m") for name in ("crank_radius", "rod_length"))
-    r = to_si(given.get("pin_radius", f"{PIN_SHARE * bore} m"), "m")
+    throw, length = (to_si(parameters[name], "m") for name in ("crank_radius", "rod_length"))
+    r = to_si(parameters.get("pin_radius", f"{PIN_SHARE * bore} m"), "m")
     offset = to_si(table.get("build", {}).get("piston", {}).get("pin_offset", "0 m"), "m")
     rod = [
         _cylinder(1.4 * r, 2 * r, y=length),

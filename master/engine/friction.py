@@ -30,8 +30,8 @@ def friction_pressure(results) -> float | None:
 
     Returns None if the run is shorter or lacks the outputs.
     """
-    found = friction_pressures(results)
-    return found[-1].pressure if found else None
+    cycles = friction_pressures(results)
+    return cycles[-1].pressure if cycles else None
 
 
 def friction_pressures(results) -> list[Cycle]:
@@ -52,7 +52,7 @@ def friction_pressures(results) -> list[Cycle]:
     time, length = results.time, results.period
     begin, *_, end = time
     count = int((end - begin) / length + 1e-6) if length else 0
-    found = []
+    cycles = []
     for k in reversed(range(count)):
         last, near = end - k * length, 1e-6 * length
         within = (time >= last - length - near) & (time <= last + near)
@@ -60,8 +60,8 @@ def friction_pressures(results) -> list[Cycle]:
         # Eq. (X12)
         now = power[within]
         work = float((np.diff(time[within]) * (now[1:] + now[:-1]) / 2.0).sum())
-        found.append(Cycle(float(crank.angle[within][-1]), work / volume))
-    return found
+        cycles.append(Cycle(float(crank.angle[within][-1]), work / volume))
+    return cycles
 
 
 class _Cylinder(NamedTuple):
@@ -75,11 +75,11 @@ def _cylinder(results, body):
     """Return the cylinder of participant `body`, or None if the run lacks its data."""
     films = players(results.case, "lubrication")
     own = [film for film in films if film_body(results, film) == body] or films
-    given = results.case["participants"][own[0]].get("parameters", {}) if own else {}
+    parameters = results.case["participants"][own[0]].get("parameters", {}) if own else {}
     port = f"{body}.piston_position"
-    if port not in results.ports or "bore_radius" not in given:
+    if port not in results.ports or "bore_radius" not in parameters:
         return None
-    return _Cylinder(to_si(given["bore_radius"], "m"), results.series(port).values)
+    return _Cylinder(to_si(parameters["bore_radius"], "m"), results.series(port).values)
 
 
 def contact_share(results, film) -> float | None:

@@ -90,10 +90,10 @@ def special(
         solids={
             label: [
                 solid
-                for body, own in found.items()
+                for body, own in parts.items()
                 for solid in _solids(own, runs[label], body, bodies)
             ]
-            for label, found in skins.items()
+            for label, parts in skins.items()
         },
     )
 
@@ -128,20 +128,20 @@ def _orbit(runs, body, surface) -> Orbit | None:
     """Return the orbit of a bearing, or None if the runs lack its displacements or clearance."""
     name = "pin" if surface.startswith("boss") else surface
     ports = [f"{body}.{name}_displacement_{axis}" for axis in "xy"]
-    given = next(iter(runs.values())).case["participants"][body].get("parameters", {})
+    parameters = next(iter(runs.values())).case["participants"][body].get("parameters", {})
     key = f"{surface.partition('_')[0] if name == 'pin' else name}_clearance"
-    if key not in given or not all({*ports} <= {*results.ports} for results in runs.values()):
+    if key not in parameters or not all({*ports} <= {*results.ports} for results in runs.values()):
         return None
     paths = [
         tuple(1e6 * results.series(port).values for port in ports) for results in runs.values()
     ]
     at = [_degrees(results) for results in runs.values()]
-    return Orbit(1e6 * to_si(given[key], "m"), at, paths)
+    return Orbit(1e6 * to_si(parameters[key], "m"), at, paths)
 
 
 def _of_body(runs, body, skins, body_of) -> list[Section]:
     """Return motion and forces of a piston."""
-    own = [one for found in skins.values() for one in found.get(body, ())]
+    own = [one for parts in skins.values() for one in parts.get(body, ())]
     skirt = next((skin.skirt for skin in own if skin.skirt), None)
     films = [film for film, owner in body_of.items() if owner == body]
     if skirt is None:
@@ -197,12 +197,12 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
     stand = stands(results).get(body, Stand())
     port = f"{body}.modal_coordinate"
     modes = [skin.modes.shape[2] for skin in skins]
-    held = np.zeros((len(results.instants), 0))
+    coordinates = np.zeros((len(results.instants), 0))
     if port in results.recorded and results.dataset(port).shape[1] == sum(modes):
-        held = results.dataset(port)[:]
-    known = held.shape[1] == sum(modes)
+        coordinates = results.dataset(port)[:]
+    known = coordinates.shape[1] == sum(modes)
     modes = modes if known else [0] * len(skins)
-    parts = np.split(held, np.cumsum(modes)[:-1], axis=1)
+    parts = np.split(coordinates, np.cumsum(modes)[:-1], axis=1)
     motion = np.column_stack([at_instants(results, f"{body}.{name}") for name in MOTION])
     meshed = [
         Solid(
@@ -238,7 +238,7 @@ def fields_around(results, body, skirt) -> dict[str, tuple[float, float]]:
         first, last = surface["rows"]
         step = (high - low) / rows
         heights[f"{surface['name']}."] = (low + (first - 1) * step, low + last * step)
-    found = {}
+    fields = {}
     for film in players(results.case, "lubrication"):
         if film_body(results, film) not in (body, None):
             continue
@@ -246,8 +246,8 @@ def fields_around(results, body, skirt) -> dict[str, tuple[float, float]]:
         gap = gap_port(results, film).removesuffix("film_thickness")
         for port in results.recorded:
             if ends and port.startswith((f"{film}.", gap)):
-                found[port] = ends
-    return found
+                fields[port] = ends
+    return fields
 
 
 def strokes(runs: Runs, ahead: float = 0.0) -> list[CyclePhase]:
@@ -276,12 +276,12 @@ def own_strokes(runs: Runs, body: str) -> list[CyclePhase] | None:
 
     Returns None if the runs have different strokes.
     """
-    apart = {
+    distinct = {
         round(float(_degrees(results)[0] - np.degrees(results.series(port).values[0])), 3)
         for results in runs.values()
         if (port := f"{body}.crank_angle") in results.ports
     }
-    return strokes(runs, apart.pop()) if len(apart) == 1 else None
+    return strokes(runs, distinct.pop()) if len(distinct) == 1 else None
 
 
 def _degrees(results):
@@ -292,13 +292,13 @@ def _degrees(results):
 
 def _charts(runs: Runs, *sections: str, **names: str) -> list[Chart]:
     """Return the charts of sections over the crank angle, without those that are zero."""
-    found = []
-    for given in (chart for section in sections for chart in CHARTS[section]):
-        lines = {name: port.format(**names) for name, port in given["lines"].items()}
-        if curves := _curves(runs, lines, given["unit"]):
-            title = given["title"].format(**names)
-            found.append(Chart(title, CRANK, f"[{given['unit']}]", curves, cursor=True))
-    return found
+    charts = []
+    for entry in (chart for section in sections for chart in CHARTS[section]):
+        lines = {name: port.format(**names) for name, port in entry["lines"].items()}
+        if curves := _curves(runs, lines, entry["unit"]):
+            title = entry["title"].format(**names)
+            charts.append(Chart(title, CRANK, f"[{entry['unit']}]", curves, cursor=True))
+    return charts
 
 
 def _curves(runs: Runs, lines: dict[str, str], unit: str) -> list[Curve]:
@@ -323,10 +323,10 @@ def _curves(runs: Runs, lines: dict[str, str], unit: str) -> list[Curve]:
 
 def _points(runs: Runs, points: Callable, title: str, x: str, y: str, **how: Any) -> list[Drawn]:
     """Return a chart of the points (x, y) of each run; `points` returns None if it has none."""
-    found = [points(results) for results in runs.values()]
+    point_lists = [points(results) for results in runs.values()]
     curves = [
         Curve(label, k, *one, points=True)
-        for k, (label, one) in enumerate(zip(runs, found))
+        for k, (label, one) in enumerate(zip(runs, point_lists))
         if one is not None
     ]
     drawn: list[Drawn] = [Chart(title, x, y, curves, **how)]
@@ -337,11 +337,11 @@ def _slaps(runs, body) -> list[Drawn]:
     """Return a chart of the energy that the piston loses in each impact."""
 
     def lost(results):
-        found = impacts(results, body)
-        if found is None:
+        events = impacts(results, body)
+        if events is None:
             return None
-        rows = [impact.row for impact in found]
-        return _degrees(results)[rows], 1e3 * np.array([impact.loss for impact in found])
+        rows = [impact.row for impact in events]
+        return _degrees(results)[rows], 1e3 * np.array([impact.loss for impact in events])
 
     title = "Energy of the piston lost in each impact"
     return _points(runs, lost, title, CRANK, "[mJ]", cursor=True)
@@ -399,13 +399,13 @@ def _stribeck(runs, body, film) -> list[Drawn]:
     ]
 
     def coefficients(results):
-        given = results.case["participants"][film].get("parameters", {})
-        if not {*ports} <= {*results.ports} or not {"viscosity", "skirt_length"} <= {*given}:
+        parameters = results.case["participants"][film].get("parameters", {})
+        if not {*ports} <= {*results.ports} or not {"viscosity", "skirt_length"} <= {*parameters}:
             return None
         hydrodynamic, contact, thrust, anti, speed = (results.series(port).values for port in ports)
         load = np.abs(thrust) + np.abs(anti)
         carries = load > LEAST_LOAD * load.max()
-        scale = to_si(given["viscosity"], "Pa.s") * to_si(given["skirt_length"], "m")
+        scale = to_si(parameters["viscosity"], "Pa.s") * to_si(parameters["skirt_length"], "m")
         # Eq. (X17)
         number = scale * np.abs(speed[carries]) / load[carries]
         return 1e6 * number, np.abs(hydrodynamic + contact)[carries] / load[carries]
@@ -446,10 +446,10 @@ def _envelopes(case, runs, film, gap):
     )
     drawn: list[Drawn] = []
     for title, unit, port in envelopes:
-        found = [results.envelope(port) for results in runs.values()]
-        fields = [None if one is None else scaled(one.values, one.unit, unit)[0] for one in found]
+        known = [results.envelope(port) for results in runs.values()]
+        fields = [None if one is None else scaled(one.values, one.unit, unit)[0] for one in known]
         if any(np.any(values) for values in fields if values is not None):
-            there = [one and results.there(port) for one, results in zip(found, runs.values())]
+            there = [one and results.there(port) for one, results in zip(known, runs.values())]
             drawn.append(StillMap(title, unit, case.axes_of(port), fields, there))
     pressures = {label: results.envelope(f"{film}.pressure") for label, results in runs.items()}
     sparse = [label for label, one in pressures.items() if one and not one.every_step]

@@ -33,12 +33,12 @@ def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) 
     big end moves with the crank pin. Films without a piston are fixed. Films with an unknown
     position are omitted and reported.
     """
-    found = []
+    films = []
     for name in players(results.case, "lubrication"):
-        given = results.case["participants"][name].get("parameters", {})
+        parameters = results.case["participants"][name].get("parameters", {})
         ports = [port for port in results.recorded if results.dataset(port).ndim == 3]
         own = [port for port in ports if port.startswith(f"{name}.")]
-        if not own or "bore_radius" not in given:
+        if not own or "bore_radius" not in parameters:
             continue
         shape = results.dataset(own[0]).shape
         gap = gap_port(results, name)
@@ -46,8 +46,8 @@ def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) 
             own.append(gap)
         owner = film_body(results, name)
         piston = next((s for s in solids if s.film and s.owner in ("", owner)), None)
-        radius = to_si(given["bore_radius"], "m")
-        length = to_si(given.get("skirt_length", "1 m"), "m")
+        radius = to_si(parameters["bore_radius"], "m")
+        length = to_si(parameters.get("skirt_length", "1 m"), "m")
         placed = _placed(results, name, (shape[1:], radius, length), piston, own[0])
         if placed is None:
             say(f"{name}: omitted, because its position is unknown")
@@ -55,8 +55,8 @@ def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) 
         points, cells, motion = placed
         stand = piston.stand if piston else Stand()
         blocks = [read_block(results, port) for port in own]
-        found.append(Film(name, blocks, points, cells, motion, stand))
-    return found
+        films.append(Film(name, blocks, points, cells, motion, stand))
+    return films
 
 
 def _placed(results, film, sizes, piston, port):
@@ -111,11 +111,11 @@ def crank_motion(results: Results, body: str | None, surface: str) -> np.ndarray
     Eq. (X44):  (x, y) = (o - r sin theta, r cos theta)      big end, which rotates with the rod
                 (x, y) = (o, 0)                              main bearing       o: crank_offset
     """
-    given = results.case["participants"][body]["parameters"]
-    radius = to_si(given["crank_radius"], "m") if surface == "big_end" else 0.0
+    parameters = results.case["participants"][body]["parameters"]
+    radius = to_si(parameters["crank_radius"], "m") if surface == "big_end" else 0.0
     turn = rod_turn(results, body) if surface == "big_end" else 0.0
     theta = at_instants(results, f"{body}.crank_angle")
-    aside = to_si(given.get("crank_offset", "0 m"), "m") - radius * np.sin(theta)
+    aside = to_si(parameters.get("crank_offset", "0 m"), "m") - radius * np.sin(theta)
     # Eq. (X44)
     return np.column_stack([aside, radius * np.cos(theta), turn + 0.0 * theta])
 
@@ -126,13 +126,13 @@ def rod_turn(results: Results, body: str | None) -> np.ndarray:
     Eq. (X25):  sin psi = -(e + x_A + r sin theta)/L     e: pin offset minus crank offset
     """
     table = results.case["participants"][body]
-    given = table["parameters"]
+    parameters = table["parameters"]
 
     def at(name):
         return at_instants(results, f"{body}.{name}")
 
     offset = to_si(table.get("build", {}).get("piston", {}).get("pin_offset", "0 m"), "m")
-    offset -= to_si(given.get("crank_offset", "0 m"), "m")
-    radius, length = (to_si(given[name], "m") for name in ("crank_radius", "rod_length"))
+    offset -= to_si(parameters.get("crank_offset", "0 m"), "m")
+    radius, length = (to_si(parameters[name], "m") for name in ("crank_radius", "rod_length"))
     aside = offset + at("lateral_displacement") + radius * np.sin(at("crank_angle"))
     return -np.arcsin(aside / length)  # Eq. (X25)

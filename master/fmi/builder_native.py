@@ -364,11 +364,11 @@ def object_files(
     """
     folder = cache_folder("native")
     code = _digest_of_code(package)
-    kept = {name: folder / f"{package}-{name}-{code}.o" for name in platforms}
-    if not all(path.exists() for path in kept.values()):
+    paths = {name: folder / f"{package}-{name}-{code}.o" for name in platforms}
+    if not all(path.exists() for path in paths.values()):
         with sole_compiler(folder / f"{package}-{code}.lock", package, progress):
-            _compile(package, kept, folder / f"{package}-{code}.ll.gz", progress)
-    return {name: path.read_bytes() for name, path in kept.items()}
+            _compile(package, paths, folder / f"{package}-{code}.ll.gz", progress)
+    return {name: path.read_bytes() for name, path in paths.items()}
 
 
 @contextmanager
@@ -393,15 +393,15 @@ def sole_compiler(
 
 
 def _compile(
-    package: str, kept: Mapping[str, Path], module: Path, progress: Callable[[str], object]
+    package: str, paths: Mapping[str, Path], module: Path, progress: Callable[[str], object]
 ) -> None:
     """Compile the missing object files."""
-    missing = [name for name, path in kept.items() if not path.exists()]
+    missing = [name for name, path in paths.items() if not path.exists()]
     if not missing:
         return
     progress(f"compiling {package} for {', '.join(missing)}, which takes a few minutes")
     for name, data in native_code.object_files(package, missing, module, progress).items():
-        write_whole(kept[name], data)
+        write_whole(paths[name], data)
 
 
 def _digest_of_code(package: str) -> str:
@@ -425,8 +425,8 @@ def _file_of(module: str) -> Path:
     """
     for name in (f"{ROOT}.{module}", module):
         with suppress(ModuleNotFoundError):
-            if (found := find_spec(name)) and found.origin:
-                return Path(found.origin).resolve()
+            if (spec := find_spec(name)) and spec.origin:
+                return Path(spec.origin).resolve()
     raise ModuleNotFoundError(module)
 
 

@@ -44,14 +44,14 @@ def collecting(faults: list[str], before: str = "") -> Generator[None, None, Non
 
 def for_all(function: Callable[[Item], Found], items: Iterable[Item]) -> list[Found]:
     """Return the results of a function for all items; raise `BadInput` with the faults of all."""
-    found: list[Found] = []
+    results: list[Found] = []
     faults: list[str] = []
     for item in items:
         with collecting(faults):
-            found.append(function(item))
+            results.append(function(item))
     if faults:
         raise BadInput(dict.fromkeys(faults))
-    return found
+    return results
 
 
 MOST_NAMES = 7

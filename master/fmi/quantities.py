@@ -26,11 +26,11 @@ def registry() -> Any:
     pint: Any = import_module("pint")
     made = partial(pint.UnitRegistry, autoconvert_offset_to_baseunit=True)
     with suppress(OSError, RuntimeError):  # there is no place for a cache
-        kept = cache_folder("units")
+        cache = cache_folder("units")
         try:
-            return made(cache_folder=kept)
+            return made(cache_folder=cache)
         except Exception:  # whatever a damaged pickle raises
-            rmtree(kept, ignore_errors=True)
+            rmtree(cache, ignore_errors=True)
     return made()
 
 
@@ -175,16 +175,16 @@ def _by_pint(value: str | float, unit: str, is_difference: bool = False) -> floa
     if not is_known(unit):
         raise ValueError(f"expected a known unit, got {unit!r}")
     try:
-        given = quantity(str(value))
+        parsed = quantity(str(value))
     except ValueError:
         raise _not_a_quantity(value, unit) from None
     target = pint_unit(unit)
     # a bare number for a unit such as % is a share or in the unit: factor 100
-    bare = not given.units._units and registry().Quantity(1.0, target).to_root_units().m != 1.0
-    if _is_apart(given, unit) or bare:
+    bare = not parsed.units._units and registry().Quantity(1.0, target).to_root_units().m != 1.0
+    if _is_apart(parsed, unit) or bare:
         raise _not_a_quantity(value, unit)
-    zero = registry().Quantity(0.0, given.units).to(target).magnitude if is_difference else 0.0
-    return float(given.to(target).magnitude - zero)
+    zero = registry().Quantity(0.0, parsed.units).to(target).magnitude if is_difference else 0.0
+    return float(parsed.to(target).magnitude - zero)
 
 
 @cache
@@ -193,10 +193,10 @@ def from_si(value: float, si: str, unit: str) -> float:
 
     Raises `ValueError` if the unit is unknown or has another dimension.
     """
-    given = registry().Quantity(value, pint_unit(si))
-    if not is_known(unit) or not are_compatible(given.units, pint_unit(unit)):
+    amount = registry().Quantity(value, pint_unit(si))
+    if not is_known(unit) or not are_compatible(amount.units, pint_unit(unit)):
         raise ValueError(f"expected a unit of {si}, got {unit!r}")
-    return float(given.to(pint_unit(unit)).magnitude)
+    return float(amount.to(pint_unit(unit)).magnitude)
 
 
 @cache

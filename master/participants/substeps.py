@@ -19,13 +19,13 @@ def shifted(course, by):
 
     course : ndarray, shape (order + 1, *shape), value first; by : s [s].
     """
-    found = np.zeros_like(course)
+    coefficients = np.zeros_like(course)
     for i in range(len(course)):
         term = 1.0
         for j in range(i, len(course)):
-            found[i] += course[j] * term  # Eq. (P6)
+            coefficients[i] += course[j] * term  # Eq. (P6)
             term *= by / (j - i + 1)
-    return found
+    return coefficients
 
 
 class Substeps(RepeatedStep, FieldByField, Wrapper):

@@ -86,18 +86,20 @@ def grid_positions(case, results, block):
 
     The positions are along the case's axes of the field. Unknown ones are omitted.
     """
-    found = []
+    positions = []
     if crank := crank_angle(results):
         angle = np.degrees(np.interp(block.times, crank.time, crank.angle))
-        found.append(Positions("crank angle", "deg", angle[:, None, None]))
+        positions.append(Positions("crank angle", "deg", angle[:, None, None]))
     axes = case.axes_of(block.name)
     if axes is not NEUTRAL:
         around, along = results.dataset(block.name).shape[1:]
         first = axes.first.positions(around)[block.i - 1]
         second = axes.second.positions(along)[block.j - 1]
-        found.append(Positions(axes.first.label, axes.first.unit or "1", first[None, :, None]))
-        found.append(Positions(axes.second.label, axes.second.unit or "1", second[None, None, :]))
-    return found
+        positions.append(Positions(axes.first.label, axes.first.unit or "1", first[None, :, None]))
+        positions.append(
+            Positions(axes.second.label, axes.second.unit or "1", second[None, None, :])
+        )
+    return positions
 
 
 def write_csv(blocks, path, positions=()):

@@ -117,5 +117,5 @@ class Plots:
         return figure
 
 
-def _picture(kind: str, **given: Any) -> Picture:
-    return Picture.model_validate(dict(file=f"{kind}.png", title="", kind=kind) | given)
+def _picture(kind: str, **options: Any) -> Picture:
+    return Picture.model_validate(dict(file=f"{kind}.png", title="", kind=kind) | options)

@@ -149,19 +149,19 @@ def limits(study, rows) -> dict[str, Limit]:
     [Roache1994]
     """
     labels, size = _sized(study)
-    found: dict[str, Limit] = {}
+    by_name: dict[str, Limit] = {}
     for name, order in observed_orders(study, rows).items():
         if name not in study.summary:
             continue
         values = [_done(rows)[label].summary[name] for label in labels]
         _, middle, fine = values
         if np.isnan(order):
-            found[name] = Limit(fine, SAFETY_WITHOUT * float(np.ptp(values)), order)
+            by_name[name] = Limit(fine, SAFETY_WITHOUT * float(np.ptp(values)), order)
         else:
             *_, before, last = size
             rest = (fine - middle) / ((before / last) ** order - 1.0)  # Eq. (W5)
-            found[name] = Limit(fine + rest, SAFETY * abs(rest), order)
-    return found
+            by_name[name] = Limit(fine + rest, SAFETY * abs(rest), order)
+    return by_name
 
 
 def observed_orders(study, rows) -> dict[str, float]:

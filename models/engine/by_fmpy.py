@@ -36,7 +36,7 @@ def simulate(ssp, steps):
                 parts[target][0].setReal([parts[target][1][name]], [value])
             for fmu, _ in parts.values():
                 fmu.doStep(k * STEP, STEP)
-        seen = (
+        results = (
             _get(parts["crankshaft"], "crank_speed"),
             _get(parts["piston"], "lateral_displacement"),
             _get(parts["piston"], "friction_power"),
@@ -44,7 +44,7 @@ def simulate(ssp, steps):
         for fmu, _ in parts.values():
             fmu.terminate()
             fmu.freeInstance()
-        return seen
+        return results
 
 
 def _start(path):

@@ -111,7 +111,7 @@ def findings(results: Results) -> Findings:
     )
 
 
-def table(found: dict[str, Findings]) -> str:
+def table(findings: dict[str, Findings]) -> str:
     """Return the table of the findings in Markdown."""
     heads = [
         "run",
@@ -123,7 +123,7 @@ def table(found: dict[str, Findings]) -> str:
         *(f"{side}: peak beside the line [deg], above it, share of instants" for side in FACES),
     ]
     lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
-    for run, one in found.items():
+    for run, one in findings.items():
         peaks = [
             f"{peak.distance:.0f}, {peak.excess:.0%}, {peak.share:.0%} of {peak.instants}"
             for peak in one.peaks

@@ -179,7 +179,7 @@ def test_force_and_motion_do_the_same_work():
     engine = BLOCK.engine_of(VALUES)
     rng = np.random.default_rng(3)
     forces, motion = rng.standard_normal((3, 2)), rng.standard_normal(6)
-    x, y, turn, _ = engine.seen(motion, motion)
+    x, y, turn, _ = engine.at_cylinder(motion, motion)
     power = np.sum(forces * [x, y, turn])
     assert engine.total(*forces) @ motion == pytest.approx(power, rel=1e-13)
 

@@ -108,7 +108,7 @@ def built(case, folder, fmi):
     }
     tables = dict(case.participants)
     for name, fmu in fmus.items():
-        given = {**halves.get(name, {}), **tables[name].parameters}
-        changes = {"package": None, "build": {}, "fmu": str(fmu), "parameters": given}
+        parameters = {**halves.get(name, {}), **tables[name].parameters}
+        changes = {"package": None, "build": {}, "fmu": str(fmu), "parameters": parameters}
         tables[name] = tables[name].model_copy(update=changes)
     return case.model_copy(update={"participants": tables, "symmetric": False})
