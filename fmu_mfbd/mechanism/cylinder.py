@@ -110,7 +110,7 @@ NO_SLIDES = FreeSlides(NO_ELEMENTS, NO_ELEMENTS, np.zeros((0, 2)))
 
 
 class CylinderParts(NamedTuple):
-    """What the chain of a cylinder is made of.
+    """Parts of the chain of a cylinder.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ from .equations import (
 )
 from .floating_frame import TURN, Arrow, X, Y
 from .generalised_alpha import Motion
-from .inertia import ALPHA, AX, AY, W, inertia_changes, shaken_forces
+from .inertia import ROW, inertia_changes, shaken_forces
 from .laws import subtract_law_changes
 from .motion import Increments, MotionChanges, chain_motion, motion_changes, no_changes
 from .slider_crank import CrankMotion
@@ -279,8 +279,8 @@ def pushed_forces(
     n, m = chain.joints.tip.shape
     still = no_changes(chain.joints)
     shaken = np.empty((4, 1))
-    shaken[AX, 0], shaken[AY, 0] = carrier.ax, carrier.ay
-    shaken[ALPHA, 0], shaken[W, 0] = carrier.alpha, carrier.w
+    shaken[ROW.ax, 0], shaken[ROW.ay, 0] = carrier.ax, carrier.ay
+    shaken[ROW.alpha, 0], shaken[ROW.w, 0] = carrier.alpha, carrier.w
     inertia = shaken_forces(chain.bodies, at, forces.inertia, still, shaken)
     total = _total_change(at, forces.inertia.wrench, still, inertia.wrench)
     push, top = np.zeros((n, 3)), np.zeros((m, 1))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable
+from ...master.fmi.compiled import compilable, numbered
 from ..geometry.arrays import Matrix, Vector
 from .carrier import Carrier, transport
 from .chain import Bodies
@@ -18,9 +18,9 @@ from .floating_frame import TURN, X, Y
 from .generalised_alpha import Motion
 from .motion import ChainMotion, Increments, MotionChanges
 
-AX, AY, ALPHA, W, SX, SY, TX, TY, INERTIA, SPIN = range(10)
+ROW = numbered("ax", "ay", "alpha", "w", "sx", "sy", "tx", "ty", "inertia", "spin")
 """Places in a row of `InertiaForces.frames`."""
-MODAL, BQ, GQ, GV = range(4)
+MODE = numbered("push", "bq", "gq", "gv")
 """Rows of the tables of modes in `InertiaForces`."""
 
 
@@ -102,16 +102,16 @@ def frame_state(frames: np.ndarray, b: int) -> FrameState:
     """Return the state of the frame of body b."""
     f = frames[b]
     return FrameState(
-        ax=f[AX],
-        ay=f[AY],
-        alpha=f[ALPHA],
-        w=f[W],
-        sx=f[SX],
-        sy=f[SY],
-        tx=f[TX],
-        ty=f[TY],
-        inertia=f[INERTIA],
-        spin=f[SPIN],
+        ax=f[ROW.ax],
+        ay=f[ROW.ay],
+        alpha=f[ROW.alpha],
+        w=f[ROW.w],
+        sx=f[ROW.sx],
+        sy=f[ROW.sy],
+        tx=f[ROW.tx],
+        ty=f[ROW.ty],
+        inertia=f[ROW.inertia],
+        spin=f[ROW.spin],
     )
 
 
@@ -163,11 +163,11 @@ def inertia_forces(
     wrench, frames = np.empty((n, 3)), np.empty((n, 10))
     out = InertiaForces(
         wrench=wrench,
-        modal=rows[MODAL],
+        modal=rows[MODE.push],
         frames=frames,
-        bq=rows[BQ],
-        gq=rows[GQ],
-        gv=rows[GV],
+        bq=rows[MODE.bq],
+        gq=rows[MODE.gq],
+        gv=rows[MODE.gv],
         carrier=carrier,
     )
     _put_frames(bodies, at, now, m, out)
@@ -193,11 +193,12 @@ def _put_frames(bodies, at, now, m, out):
         ay += at.acceleration[b, Y]
         c, s = at.axes[b, 0], at.axes[b, 1]
         frame = out.frames[b]
-        frame[AX], frame[AY] = c * ax + s * ay, c * ay - s * ax
-        frame[ALPHA] = at.acceleration[b, TURN] + carrier.alpha
-        frame[W] = at.velocity[b, TURN] + carrier.w
-        frame[SX], frame[SY], frame[INERTIA] = bodies.S[b, X], bodies.S[b, Y], bodies.I0[b]
-        frame[TX], frame[TY], frame[SPIN] = 0.0, 0.0, 0.0
+        frame[ROW.ax], frame[ROW.ay] = c * ax + s * ay, c * ay - s * ax
+        frame[ROW.alpha] = at.acceleration[b, TURN] + carrier.alpha
+        frame[ROW.w] = at.velocity[b, TURN] + carrier.w
+        frame[ROW.sx], frame[ROW.sy] = bodies.S[b, X], bodies.S[b, Y]
+        frame[ROW.inertia] = bodies.I0[b]
+        frame[ROW.tx], frame[ROW.ty], frame[ROW.spin] = 0.0, 0.0, 0.0
         begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
         if end > begin:
             _add_modes(bodies, b, begin, end, now, m, frame, out)
@@ -219,12 +220,12 @@ def _add_modes(bodies, b, begin, end, now, m, frame, out):
         bq[i] = bodies.b[begin + i] + by_position[i]
         out.gq[begin + i] = bodies.g[begin + i] + by_position[k + i]
         out.gv[begin + i] = by_velocity[i]
-    frame[SX] += by_x @ q
-    frame[SY] += by_y @ q
-    frame[TX] += by_x @ v
-    frame[TY] += by_y @ v
-    frame[INERTIA] += bodies.b[begin:end] @ q + bq @ q
-    frame[SPIN] += bq @ v
+    frame[ROW.sx] += by_x @ q
+    frame[ROW.sy] += by_y @ q
+    frame[ROW.tx] += by_x @ v
+    frame[ROW.ty] += by_y @ v
+    frame[ROW.inertia] += bodies.b[begin:end] @ q + bq @ q
+    frame[ROW.spin] += bq @ v
 
 
 @compilable
@@ -296,12 +297,12 @@ def inertia_changes(
     k = len(bodies.stiffness)
     shaken = np.zeros((4, m))
     if block >= 0:
-        shaken[AX, block], shaken[AY, block + 1] = (
+        shaken[ROW.ax, block], shaken[ROW.ay, block + 1] = (
             by.acceleration[block],
             by.acceleration[block + 1],
         )
-        shaken[ALPHA, block + TURN] = by.acceleration[block + TURN]
-        shaken[W, block + TURN] = by.velocity[block + TURN]
+        shaken[ROW.alpha, block + TURN] = by.acceleration[block + TURN]
+        shaken[ROW.w, block + TURN] = by.velocity[block + TURN]
     out = InertiaChanges(
         np.zeros((n, 3, m + k)), np.zeros((k, m)), np.empty(k), np.empty((n, 4, m))
     )
@@ -347,20 +348,20 @@ def _put_frame_changes(at, forces, d, shaken, out):
     for b in range(len(out)):
         c, s = at.axes[b, 0], at.axes[b, 1]
         x, y, vx, vy = at.position[b, X], at.position[b, Y], at.velocity[b, X], at.velocity[b, Y]
-        ax, ay = forces.frames[b, AX], forces.frames[b, AY]
+        ax, ay = forces.frames[b, ROW.ax], forces.frames[b, ROW.ay]
         for j in range(out.shape[2]):
             # Eq. (K14)
             px, py = d.position[b, X, j], d.position[b, Y, j]
-            da, dw = shaken[ALPHA, j], shaken[W, j]
+            da, dw = shaken[ROW.alpha, j], shaken[ROW.w, j]
             dx = d.acceleration[b, X, j] - alpha * py - w * w * px - 2 * w * d.velocity[b, Y, j]
             dy = d.acceleration[b, Y, j] + alpha * px - w * w * py + 2 * w * d.velocity[b, X, j]
-            dx += shaken[AX, j] - da * y - 2 * dw * (w * x + vy)
-            dy += shaken[AY, j] + da * x - 2 * dw * (w * y - vx)
+            dx += shaken[ROW.ax, j] - da * y - 2 * dw * (w * x + vy)
+            dy += shaken[ROW.ay, j] + da * x - 2 * dw * (w * y - vx)
             t = d.position[b, TURN, j]  # the axes turn
-            out[b, AX, j] = c * dx + s * dy + ay * t
-            out[b, AY, j] = c * dy - s * dx - ax * t
-            out[b, ALPHA, j] = d.acceleration[b, TURN, j] + da
-            out[b, W, j] = d.velocity[b, TURN, j] + dw
+            out[b, ROW.ax, j] = c * dx + s * dy + ay * t
+            out[b, ROW.ay, j] = c * dy - s * dx - ax * t
+            out[b, ROW.alpha, j] = d.acceleration[b, TURN, j] + da
+            out[b, ROW.w, j] = d.velocity[b, TURN, j] + dw
 
 
 @compilable
@@ -373,8 +374,8 @@ def _put_joint_columns(bodies, at, forces, d, out):
         mass, w = bodies.mass[b], f.w
         force_x, force_y = forces.wrench[b, X], forces.wrench[b, Y]
         for j in range(frames.shape[2]):
-            ax, ay = frames[b, AX, j], frames[b, AY, j]
-            alpha, dw = frames[b, ALPHA, j], frames[b, W, j]
+            ax, ay = frames[b, ROW.ax, j], frames[b, ROW.ay, j]
+            alpha, dw = frames[b, ROW.alpha, j], frames[b, ROW.w, j]
             t = d.position[b, TURN, j]
             # Eqs. (D1), (D2)
             x = mass * ax - alpha * f.sy - 2 * dw * (w * f.sx + f.ty)
@@ -389,8 +390,10 @@ def _put_joint_columns(bodies, at, forces, d, out):
             spun = 2 * (forces.gv[i] - w * forces.bq[i])
             for j in range(frames.shape[2]):
                 # Eq. (D3)
-                by_frame = x * frames[b, AX, j] + y * frames[b, AY, j]
-                out.left[i, j] = by_frame + gq * frames[b, ALPHA, j] + spun * frames[b, W, j]
+                by_frame = x * frames[b, ROW.ax, j] + y * frames[b, ROW.ay, j]
+                out.left[i, j] = (
+                    by_frame + gq * frames[b, ROW.alpha, j] + spun * frames[b, ROW.w, j]
+                )
 
 
 @compilable
