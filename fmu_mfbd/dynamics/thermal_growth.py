@@ -112,6 +112,9 @@ def wall_growth(expansion: float, radius: float, temperature):
         R [m], 0 for a wall that does not grow.
     temperature : float or ndarray
         T - T_level, at cells of a skirt or as spline coefficients of a bore [K].
+
+    >>> print(f"{1e6 * wall_growth(21e-6, 0.04, 50.0):.0f} um")
+    42 um
     """
     return expansion * radius * temperature  # Eq. (I20)
 

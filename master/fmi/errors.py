@@ -82,6 +82,9 @@ def unknown(kind: str, name: object, known: Iterable[str], hint: str = "") -> st
     """Return "expected one of a, b, got unknown KIND 'name'; did you mean 'a'?".
 
     If no known name is similar, `hint` replaces the question.
+
+    >>> unknown("method", "nwton", ["newton", "relaxation"])
+    "expected one of newton, relaxation, got unknown method 'nwton'; did you mean 'newton'?"
     """
     known = list(known)
     question = near(str(name), known) or (f"; {hint}" if hint else "")

@@ -18,6 +18,9 @@ def shifted(course, by):
     Eq. (P6):  u^(i)(s) = sum over j >= i of u^(j)(0) s^(j-i) / (j-i)!
 
     course : ndarray, shape (order + 1, *shape), value first; by : s [s].
+
+    >>> shifted(np.array([1.0, 2.0, 6.0]), 1.0)
+    array([6., 8., 6.])
     """
     coefficients = np.zeros_like(course)
     for i in range(len(course)):
