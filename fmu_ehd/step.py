@@ -411,13 +411,13 @@ def end(
     A fault is noted if they are not finite.
     """
     before = memory.film
-    solution = solved.solution
+    film = solved.solution
     flow = solved.flow
     domain = fixed.domain
     length = inputs.length
-    under = true_pressure(inputs.around.pressure_law, solution.pressure)
+    under = true_pressure(inputs.around.pressure_law, film.pressure)
     check_suction(inputs.around.pressure_law, under.pressure, faults)
-    force_inputs = ForceInputs(solved.deflection, memory.steps, flow, under, solution.film_fraction)
+    force_inputs = ForceInputs(solved.deflection, memory.steps, flow, under, film.film_fraction)
     acting = acting_of(fixed, inputs, force_inputs, faults)
     acted = acting.along
     law = inputs.around.pressure_law
@@ -426,29 +426,25 @@ def end(
     if law.kind != PRESSURE_VISCOSITY_LAWS.none and highest > law.limit:
         remark(faults, FAULT.beyond_pressure_law)
     axial = begun.entrainment.axial
-    went = parts.passage(before, begun.begin, solution, axial, length, domain)
+    went = parts.passage(before, begun.begin, film, axial, length, domain)
     account = parts.account(
-        before, memory.totals, acted, acting.powers, solution, went.growth, cavitation, length
+        before, memory.totals, acted, acting.powers, film, went.growth, cavitation, length
     )
     layer = _layer_left(fixed, memory, inputs, begun, solved, went.passed)
     ledger = parts.BalanceScalars(
         boundary_share=account.boundary_share,
         received_power=account.received_power,
-        flows=(
-            float(solution.edge_flow[LOWER]),
-            float(solution.edge_flow[UPPER]),
-            solution.from_openings,
-        ),
-        outflow=parts.leaving_above(solution.axial_flow),
-        imbalance=solution.mass_imbalance,
+        flows=(float(film.edge_flow[LOWER]), float(film.edge_flow[UPPER]), film.from_openings),
+        outflow=parts.leaving_above(film.axial_flow),
+        imbalance=film.mass_imbalance,
         oil_in_film=account.oil,
         heat=account.heat,
     )
     after = parts.PreviousFilm(
-        unknown=solution.unknown,
+        unknown=film.unknown,
         unknown_before=before.unknown,
         pressure=under.pressure,
-        content=solution.content,
+        content=film.content,
         growth=went.growth,
         growth_before=before.growth,
         deflection=solved.deflection,
@@ -464,12 +460,12 @@ def end(
         slopes=flow.slopes,
         slopes_around=flow.slopes_around,
         under=under,
-        filling=solved_filling(solution, domain.model),
+        filling=solved_filling(film, domain.model),
         edges=begun.edges,
         length=begun.begin.start.length,
-        unknown=solution.unknown,
-        full=solution.full,
-        stencil=solution.stencil,
+        unknown=film.unknown,
+        full=film.full,
+        stencil=film.stencil,
         shear=acted.shear,
         pressure_slope=acted.contact.pressure_slope,
         stress_slope=acted.contact.shear_stress_slope,
@@ -478,7 +474,7 @@ def end(
     )
     return StepResult(
         Memory(after, account.totals, layer, memory.steps),
-        fields_of(acting, solution.film_fraction),
+        fields_of(acting, film.film_fraction),
         scalars_of(fixed, acting, ledger, layer),
         last,
         solved.iterations,
