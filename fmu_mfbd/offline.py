@@ -209,12 +209,12 @@ def _skin(name, whole):
     corners, triangles = np.unique(anatomy.skin[:, :3], return_inverse=True)
     skirt = (body.skirt_lower, body.skirt_upper) if isinstance(body, ReducedPiston) else None
     return Skin(
-        name,
-        anatomy.points[corners],
-        triangles.reshape(-1, 3),
-        anatomy.shapes[corners],
-        skirt,
-        _stress_at(anatomy, corners) if skirt else None,
+        name=name,
+        points=anatomy.points[corners],
+        triangles=triangles.reshape(-1, 3),
+        modes=anatomy.shapes[corners],
+        skirt=skirt,
+        stress=_stress_at(anatomy, corners) if skirt else None,
     )
 
 

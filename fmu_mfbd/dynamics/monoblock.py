@@ -217,13 +217,13 @@ class MountedMonoblock:
         if steps < FIRST_STEPS:
             auxiliary[RIGID_MOTIONS:] = 0.0
         return BlockState(
-            position + rule.to_position * unknown,
-            velocity + rule.to_velocity * unknown,
-            acceleration,
-            auxiliary,
-            force,
-            step,
-            steps,
+            position=position + rule.to_position * unknown,
+            velocity=velocity + rule.to_velocity * unknown,
+            acceleration=acceleration,
+            auxiliary=auxiliary,
+            force=force,
+            step=step,
+            steps=steps,
         )
 
     def change(self, after: BlockState, cylinders: list[Cylinder]) -> list[CylinderMotion]:

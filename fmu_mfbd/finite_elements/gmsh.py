@@ -140,13 +140,16 @@ def _deck(labels, points, blocks, names):
                 parts.setdefault(name, []).extend(members)
                 others.setdefault(name, Counter())[kind] += 0 if solid else len(rows)
     return Deck(
-        points,
-        tetrahedra(tets),
-        {},
-        {name: np.concatenate(rows) for name, rows in faces.items()},
-        labels,
-        other,
-        {name: Selection(np.array(rows, dtype=int), +others[name]) for name, rows in parts.items()},
+        points=points,
+        tets=tetrahedra(tets),
+        node_sets={},
+        faces={name: np.concatenate(rows) for name, rows in faces.items()},
+        labels=labels,
+        other=other,
+        parts={
+            name: Selection(np.array(rows, dtype=int), +others[name])
+            for name, rows in parts.items()
+        },
         faults={
             name: f"group {name} has no elements; in format 2.2, gmsh needs Mesh.SaveAll = 0"
             for (dimension, _), name in names.items()

@@ -129,7 +129,15 @@ def check(
         for one in loops
         if one.unstable and (case.coupling.method == "explicit" or one.component.fixed)
     ]
-    return CheckedCase(path, case.title, previews, faults, warnings, remarks, loops)
+    return CheckedCase(
+        path=path,
+        title=case.title,
+        previews=previews,
+        faults=faults,
+        warnings=warnings,
+        remarks=remarks,
+        loops=loops,
+    )
 
 
 def _changes_of(path: Path, variant: str | None) -> list[tuple[str, Any]]:

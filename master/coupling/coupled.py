@@ -169,12 +169,12 @@ class Coupled(FieldSlave):
         }
         coupling = options.coupling
         self.system = System(
-            participants,
-            options.order,
-            options.wires,
-            parameters,
-            np.inf,
-            options.step,
+            participants=participants,
+            order=options.order,
+            wires=options.wires,
+            parameters=parameters,
+            stop=np.inf,
+            step=options.step,
             parallel=coupling.parallel,
             limits=options.limits,
         )

@@ -299,7 +299,17 @@ def _of_film(run: _Run, film: str) -> Iterator[Measure]:
         what = "skirt" if run.values(film, "friction_torque") is None else "bearing"
         label, note = "area of contact", f"of the {what}"
         size, row = float(area.max()), int(area.argmax())
-        yield Measure("contact_area", label, size, "1", film, row, None, "on at most", note)
+        yield Measure(
+            key="contact_area",
+            label=label,
+            value=size,
+            unit="1",
+            owner=film,
+            row=row,
+            place=None,
+            before="on at most",
+            note=note,
+        )
     if balance := oil_balance(run.results, film):
         before = f"net {_net(balance)} per period; throughput"
         label, through = "oil throughput per period", balance.throughput

@@ -206,18 +206,18 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
     motion = np.column_stack([at_instants(results, f"{body}.{name}") for name in MOTION])
     meshed = [
         Solid(
-            skin.name,
-            skin.points,
-            skin.triangles,
-            skin.modes[:, :, : part.shape[1]],
-            part,
-            motion if skin.skirt else None,
-            skin.skirt,
-            skin.von_mises(part) if part.shape[1] else None,
-            fields_around(results, body, skin.skirt) if skin.skirt else {},
-            owner,
-            known,
-            stand,
+            name=skin.name,
+            points=skin.points,
+            triangles=skin.triangles,
+            modes=skin.modes[:, :, : part.shape[1]],
+            coordinates=part,
+            motion=motion if skin.skirt else None,
+            film=skin.skirt,
+            stress=skin.von_mises(part) if part.shape[1] else None,
+            fields=fields_around(results, body, skin.skirt) if skin.skirt else {},
+            owner=owner,
+            held=known,
+            stand=stand,
         )
         for skin, part in zip(skins, parts)
     ]

@@ -55,7 +55,9 @@ def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) 
         points, cells, motion = placed
         stand = piston.stand if piston else Stand()
         blocks = [read_block(results, port) for port in own]
-        films.append(Film(name, blocks, points, cells, motion, stand))
+        films.append(
+            Film(name=name, blocks=blocks, points=points, cells=cells, motion=motion, stand=stand)
+        )
     return films
 
 

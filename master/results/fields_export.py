@@ -45,7 +45,9 @@ def read_block(results, port):
     if dataset.ndim != 3:
         raise BadInput(f"{port}: expected a field of two indices, got shape {dataset.shape[1:]}")
     i, j = (np.arange(1, size + 1) for size in dataset.shape[1:])
-    return ExportedField(port, dataset.attrs["unit"], results.instants, i, j, dataset[:])
+    return ExportedField(
+        name=port, unit=dataset.attrs["unit"], times=results.instants, i=i, j=j, values=dataset[:]
+    )
 
 
 def chosen(block, time=None, i=None, j=None):

@@ -464,12 +464,12 @@ class ActiveRun(Observer):
         self.account.warnings = [(name, *warning) for name, warning in self.warnings()]
         with writing(Checkpoint.path(self.output)):
             Checkpoint(
-                self.tree,
-                self.system.folder,
-                freeze(self.stepper),
-                self.account,
-                self.fingerprints,
-                self.sources,
+                tree=self.tree,
+                folder=self.system.folder,
+                frozen=freeze(self.stepper),
+                account=self.account,
+                fmus=self.fingerprints,
+                sources=self.sources,
             ).write(self.output)
         end = clock.perf_counter()
         self.next_checkpoint = end + (end - begin) / CHECKPOINT_SHARE

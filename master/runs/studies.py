@@ -107,12 +107,12 @@ def _study_row(study, case, row, results, reference):
         own = _curve(results, study.x, port)
         distances[port] = score(*own, *_curve(reference, study.x, port)).rms
     return StudyRow(
-        row["run"],
-        row["status"],
-        Cost(*(row[key] for key in Cost._fields)),
-        {key: row[key] for key in case.summary},
-        distances,
-        {key: value for key, value in row.items() if key.startswith("truncation_error")},
+        run=row["run"],
+        status=row["status"],
+        cost=Cost(*(row[key] for key in Cost._fields)),
+        summary={key: row[key] for key in case.summary},
+        distances=distances,
+        truncation={key: value for key, value in row.items() if key.startswith("truncation_error")},
     )
 
 
