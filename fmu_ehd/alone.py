@@ -527,25 +527,25 @@ class Film:
     ) -> dict[str, Any]:
         """Return the inputs of a step in SI; BadInput with every fault."""
         faults: list[str] = []
-        given: dict[str, Any] = dict(film_thickness=film)
+        inputs: dict[str, Any] = dict(film_thickness=film)
         if self._is_bearing:
-            given["sliding_velocity"] = 0.0 if sliding is None else sliding
-            given["circumferential_velocity"] = turning
+            inputs["sliding_velocity"] = 0.0 if sliding is None else sliding
+            inputs["circumferential_velocity"] = turning
         else:
-            given["sliding_velocity"] = sliding
+            inputs["sliding_velocity"] = sliding
             if turning is not None:
                 faults.append("circumferential_velocity: expected nothing for a skirt, got a value")
         missing, meaning = NEEDED[self.model.parameters.surface]
-        if given[missing] is None:
+        if inputs[missing] is None:
             faults.append(f"{missing}: expected the velocity of {meaning} [m/s], got nothing")
-            del given[missing]
+            del inputs[missing]
         for name, value in conditions.items():
             if name in self._inputs or name not in KNOWN:
-                given[name] = value
+                inputs[name] = value
             else:
                 faults.append(f"{name}: expected a condition, got a parameter; pass it to pc.Film")
         with collecting(faults):
-            values = read(given, self._inputs, "condition")
+            values = read(inputs, self._inputs, "condition")
             named = {name: values[name] for name in conditions if name in values}
             faults += changed_numbers(self.model.parameters, named)[1] if named else []
             if not faults:

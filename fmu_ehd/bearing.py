@@ -174,9 +174,11 @@ class Bearing:
             for key, (name, unit) in ROWS.items()
         ]
         for key, (symbol, unit) in MATRICES.items():
-            value, apart = getattr(self, key), self.uncertainty[key]
+            value, uncertainty = getattr(self, key), self.uncertainty[key]
             for i, j in np.ndindex(2, 2):
-                lines.append(_row(f"{symbol}, {'xy'[i]}{'xy'[j]}", value[i, j], apart[i, j], unit))
+                lines.append(
+                    _row(f"{symbol}, {'xy'[i]}{'xy'[j]}", value[i, j], uncertainty[i, j], unit)
+                )
         known = all(np.isfinite(one).all() for one in self.uncertainty.values())
         why = [] if known else [NO_UNCERTAINTY]
         contact = [] if self.rough else [SMOOTH]
@@ -270,9 +272,9 @@ def bearing(
     >>> print(f"{bearing.sommerfeld_number:.3f} {bearing.eccentricity_ratio:.2f}")
     0.361 0.57
     """
-    given = dict(radius=radius, length=length, clearance=clearance, speed=speed, load=load)
-    given |= dict(supply_pressure=supply_pressure, groove_angle=groove_angle)
-    values, parameters = _read(given, oil, supply, grid, film)
+    inputs = dict(radius=radius, length=length, clearance=clearance, speed=speed, load=load)
+    inputs |= dict(supply_pressure=supply_pressure, groove_angle=groove_angle)
+    values, parameters = _read(inputs, oil, supply, grid, film)
     progress("computing on three grids; a first call also compiles for about a minute")
     levels: list[Any] = []
     attitude = FIRST_ATTITUDE
@@ -313,12 +315,12 @@ def _uncertainty(levels: list[Any]) -> dict[str, Any]:
 
 
 def _read(
-    given: Mapping[str, Any], oil: Any, supply: str, grid: Any, film: Mapping[str, Any]
+    inputs: Mapping[str, Any], oil: Any, supply: str, grid: Any, film: Mapping[str, Any]
 ) -> tuple[dict[str, float], dict[str, Any]]:
     """Return inputs in SI and the parameters of the film; BadInput with every fault."""
     faults: list[str] = []
     values: dict[str, float] = {}
-    for name, value in given.items():
+    for name, value in inputs.items():
         with collecting(faults):
             values[name] = _number(name, value)
     for name, (low, high) in RATIOS.items():
@@ -415,12 +417,12 @@ def _film(
     x: Mapping[str, float], parameters: Mapping[str, Any], grid: tuple[int, int], supply: str
 ) -> Film:
     """Return the film of a bearing on one grid, with its groove."""
-    given: dict[str, Any] = dict(parameters) | dict(
+    options: dict[str, Any] = dict(parameters) | dict(
         bore_radius=x["radius"], skirt_length=x["length"]
     )
     if supply == GROOVED:
-        given["pressure_openings"] = x["supply_pressure"]
-    return Film(grid, surface="bearing", open_cells=GROOVES[supply](grid), **given)
+        options["pressure_openings"] = x["supply_pressure"]
+    return Film(grid, surface="bearing", open_cells=GROOVES[supply](grid), **options)
 
 
 def _balance(
@@ -440,11 +442,11 @@ def _balance(
         load = x["load"] * np.array([np.cos(towards), np.sin(towards)])
         outputs = film.equilibrium(load, x["clearance"], circumferential_velocity=surface_speed)
         right, up = outputs["position"]
-        apart = float(np.arctan2(-up, -right))  # of the thickest film
-        if supply == GROOVED or abs(apart) < NEAR:
+        angle = float(np.arctan2(-up, -right))  # of the thickest film
+        if supply == GROOVED or abs(angle) < NEAR:
             return towards, outputs
-        towards -= apart
-    raise Discard(f"the thickest film does not settle: {np.degrees(apart):.2g} deg from its groove")
+        towards -= angle
+    raise Discard(f"the thickest film does not settle: {np.degrees(angle):.2g} deg from its groove")
 
 
 def _solved(
@@ -459,8 +461,8 @@ def _solved(
     towards, outputs = _balance(film, x, supply, attitude)
     cosine, sine = np.cos(towards), np.sin(towards)
     axes = -np.array([[sine, -cosine], [cosine, sine]])
-    oil, given = film.model.parameters.oil, film.model.parameters
-    viscosity = float(oil.low_shear_viscosity(np.array(given.oil_temperature_lower_edge)))
+    oil, laws = film.model.parameters.oil, film.model.parameters
+    viscosity = float(oil.low_shear_viscosity(np.array(laws.oil_temperature_lower_edge)))
     cells: Array = 2.0 * np.pi / grid[0] * np.arange(0.0, grid[0])
     angle = (cells - towards + np.pi) % (2.0 * np.pi) - np.pi
     peak = _peak(outputs["pressure"], angle, GROOVES[supply](grid))

@@ -276,9 +276,9 @@ def _mask(chosen: CaseOptions, folder: Path, faults: list[str]) -> list[list[int
         faults.append(f"{shown}: expected rows of 0 and 1, got other text")
         return None
     if mask.shape != chosen.grid:
-        given = " x ".join(map(str, mask.shape))
+        shape = " x ".join(map(str, mask.shape))
         wanted = " x ".join(map(str, chosen.grid))
-        faults.append(f"{shown}: expected the grid's {wanted} cells, got {given}")
+        faults.append(f"{shown}: expected the grid's {wanted} cells, got {shape}")
     elif not np.isin(mask, (0.0, 1.0)).all():
         faults.append(f"{shown}: expected 1 for film and 0 for cut-out, got other values")
     elif not mask.any():

@@ -57,7 +57,7 @@ class Tables(NamedTuple):
     bearing : whether it is a bearing's; open_cells : cells without a film; contact : of
     `asperity.contact_table` by law; halves : summary.Halves; faces : of `oil_layer.Bore`;
     rows : row of the grid for each row of the film, which are more if the grid is mirrored;
-    beside : of `openings.nearest`; factors : of `roughness.factor_table`.
+    nearest_cell : of `openings.nearest`; factors : of `roughness.factor_table`.
     """
 
     bearing: bool
@@ -66,7 +66,7 @@ class Tables(NamedTuple):
     halves: Halves
     faces: Annotated[Array, "n_e, n_c"]
     rows: Annotated[Array, "n_f"]
-    beside: Field
+    nearest_cell: Field
     factors: Annotated[Array, f"{roughness.TABLE[0]}, {roughness.TABLE[1]}"]
 
 
@@ -92,7 +92,7 @@ def tables_of(open_cells: Flags, bearing: bool, mirrored: bool = False) -> Table
         halves=Halves(*(each[first:last] for each in halves(whole))),
         faces=oil_layer.skirt_edges(cells),
         rows=rows.astype(float),
-        beside=np.zeros(cells.shape),
+        nearest_cell=np.zeros(cells.shape),
         factors=np.zeros(roughness.TABLE),
     )
 
@@ -135,7 +135,7 @@ def cells_of(x: Any, tables: Tables) -> Cells:
 def fill(x: Any, chosen: Any, tables: Tables) -> None:
     """Set the tables that depend on parameters."""
     cells = cells_of(x, tables)
-    keep(tables.beside, openings.nearest(tables.open_cells, cells))
+    keep(tables.nearest_cell, openings.nearest(tables.open_cells, cells))
     if chosen.flow_factors == PATIR_CHENG_1978:
         skirt, bore = x.peklenik_number_skirt, x.peklenik_number_bore
         share = x.roughness_share_skirt
@@ -163,7 +163,7 @@ def on_grid(tables: Tables, has_openings: bool, fields: Array) -> Array:
     """
     if is_mirrored(tables):
         fields = _even_part(tables.rows, len(tables.open_cells), fields)
-    return openings.filled(tables.beside, fields) if has_openings else fields
+    return openings.filled(tables.nearest_cell, fields) if has_openings else fields
 
 
 @compilable

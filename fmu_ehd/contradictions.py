@@ -98,11 +98,11 @@ def _check_edge(
 
 @compilable
 def _check_edge_on_bore(
-    least: float, pressure: float, fraction: float, apart: float, follows: float, faults: Array
+    least: float, pressure: float, fraction: float, fault: float, follows: float, faults: Array
 ) -> None:
     """Note the faults of an edge whose oil comes from the bore."""
     if pressure != least:
-        refuse(faults, apart, 0, 0, pressure, least, 0.0)
+        refuse(faults, fault, 0, 0, pressure, least, 0.0)
     if fraction != 1.0:
         refuse(faults, follows, 0, 0, fraction, 0.0, 0.0)
 
@@ -128,10 +128,10 @@ def check_supply(x: Any, chosen: Any, faults: Array) -> None:
         refuse(faults, FAULT.openings_without_effect, 0, 0, fraction, opening, 0.0)
     if chosen.oil_supply == FROM_EDGES:
         return
-    apart = FAULT.lower_not_at_cavitation
-    _check_edge_on_bore(least, lower, below, apart, FAULT.lower_fraction_follows, faults)
-    apart = FAULT.upper_not_at_cavitation
-    _check_edge_on_bore(least, upper, above, apart, FAULT.upper_fraction_follows, faults)
+    fault = FAULT.lower_not_at_cavitation
+    _check_edge_on_bore(least, lower, below, fault, FAULT.lower_fraction_follows, faults)
+    fault = FAULT.upper_not_at_cavitation
+    _check_edge_on_bore(least, upper, above, fault, FAULT.upper_fraction_follows, faults)
     if own:
         refuse(faults, FAULT.openings_follow, 0, 0, 0.0, 0.0, 0.0)
     if not cavitation_of(chosen).conserving:
@@ -197,9 +197,9 @@ def is_fed(edges: Edges, entrainment: Entrainment, open_cells: Flags, ring: bool
         bool(
             (
                 film
-                & beside
+                & next_to_edge
                 & ((edges.pressure[k] > 0.0) | inward & (edges.film_fraction[k] > 0.0))
             ).any()
         )
-        for k, beside, inward in ends
+        for k, next_to_edge, inward in ends
     )

@@ -191,9 +191,9 @@ class LubricationModel:
         right = np.empty(directions.film.shape)
         forces = np.empty((3 if self._bearing else 2, *right.shape))
         step_tangent.changes(self.fixed, last, self._linear, directions, self.solver, right, forces)
-        given = np.shape(dfilm_thickness)
+        shape = np.shape(dfilm_thickness)
         return tuple(
-            constants.on_film(self._tables, forces[k], True).reshape(given)
+            constants.on_film(self._tables, forces[k], True).reshape(shape)
             for k in range(len(forces))
         )
 

@@ -101,7 +101,7 @@ class FilmMemory(NamedTuple):
     `step_tangent.Linearisation` and `blocks.Factors`, and the faults.
     """
 
-    given: Vector
+    setup: Vector
     state: Vector
     begun: Vector
     last: Vector
@@ -135,7 +135,7 @@ def lengths_of(tables: constants.Tables):
     return state, state, last, linear, _room_of_factors(n_c, n_a), ROOM
 
 
-def given(slave: Any) -> Array:
+def setup_row(slave: Any) -> Array:
     """Return the constant part of the memory of an FMU.
 
     Parameters
@@ -169,7 +169,7 @@ def given(slave: Any) -> Array:
         has_linear=np.zeros(1),
     )
     lengths = dict(zip(FilmMemory._fields[1:], lengths_of(setup.tables)))
-    return memory_of({"given": row_of(setup)}, lengths)
+    return memory_of({"setup": row_of(setup)}, lengths)
 
 
 def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
@@ -319,7 +319,7 @@ def start(real: Array, integer: Array, memory: Array, numbers: Array):
 def _show_rows(memory):
     """Count the cells of the faults from the first row of the film."""
     parts = parts_of(memory)
-    count_rows_from(parts.faults, constants.first_row(tables_in(setup_from(parts.given))))
+    count_rows_from(parts.faults, constants.first_row(tables_in(setup_from(parts.setup))))
 
 
 @compiled
@@ -327,7 +327,7 @@ def _start(real, integer, memory):
     """Compute state and outputs at the start, unless a fault is noted."""
     parts = parts_of(memory)
     faults = parts.faults
-    setup = setup_from(parts.given)
+    setup = setup_from(parts.setup)
     take_numbers(real, integer, setup, 0.0, faults)
     if faults[0] > 0.0:
         return
@@ -359,7 +359,7 @@ def _advance(real, integer, memory, numbers):
     """Take a step, unless a fault is noted."""
     parts = parts_of(memory)
     faults = parts.faults
-    setup = setup_from(parts.given)
+    setup = setup_from(parts.setup)
     take_numbers(real, integer, setup, numbers[0], faults)
     if faults[0] > 0.0:
         return
@@ -396,7 +396,7 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
     parts = parts_of(memory)
     faults = parts.faults
     faults[0] = 0.0
-    setup = setup_from(parts.given)
+    setup = setup_from(parts.setup)
     if setup.has_last[0] == 0.0:
         refuse(faults, FAULT.no_tangent, 0, 0, 0.0, 0.0, 0.0)
         return
@@ -434,7 +434,7 @@ def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
 
 PART = NativePart(
     entries=(start, advance, tangent),
-    given=given,
+    setup=setup_row,
     uncovered=uncovered,
     faults=FAULTS,
     refusal="lubrication step to t = {a} s: ",

@@ -210,9 +210,9 @@ def parameters_of(values: Mapping[str, Any], **built: Any) -> Parameters:
     Other names are ignored. `built` are the members of `Parameters` that are not declared.
     """
     of_oil = {v.name for v in variables_of(Oil)}
-    given = {v.name: values[v.name] for v in DECLARED if v.name in values}
-    oil = Oil(**{name: given.pop(name) for name in of_oil & given.keys()})
-    return Parameters(oil=oil, **built, **given)
+    others = {v.name: values[v.name] for v in DECLARED if v.name in values}
+    oil = Oil(**{name: others.pop(name) for name in of_oil & others.keys()})
+    return Parameters(oil=oil, **built, **others)
 
 
 def numbers_of(parameters: Parameters) -> Numbers:

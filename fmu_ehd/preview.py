@@ -37,9 +37,9 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
     except BadInput as error:
         return Preview(faults=error.faults)
     taken = {name: value for name, value in parameters.items() if value is not None}
-    given = {**built.oil, **taken}
+    numbers = {**built.oil, **taken}
     film = parameters_of(
-        given, shape=built.grid, open_cells=built.open_cells, surface=built.surface
+        numbers, shape=built.grid, open_cells=built.open_cells, surface=built.surface
     )
     around, along = built.grid
     figures = [
@@ -57,7 +57,7 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
         remarks.append("roughness_rms = 0 \N{MICRO SIGN}m: smooth surfaces, which never touch")
     if "oil_temperature" in built.inputs and film.oil.viscosity_law == "constant":
         remarks.append("viscosity_law = 'constant': the oil temperature has no effect")
-    found = faults(film) if taken == parameters else []
+    contradictory = faults(film) if taken == parameters else []
     warnings = _without_effect(parameters, film.oil, options.get("oil"))
     warnings += [
         f"{one.name} = {short(one.value, one.unit)}: expected {short(low, one.unit)} to "
@@ -66,7 +66,7 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
         for low, high in [USUAL.get(one.name, (-inf, inf))]
         if not low <= one.value <= high
     ]
-    return Preview(figures, found, warnings, remarks)
+    return Preview(figures, contradictory, warnings, remarks)
 
 
 USUAL = {"roughness_rms": (0.0, 10e-6), "viscosity": (0.5e-3, 2.0)}

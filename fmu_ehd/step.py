@@ -98,23 +98,23 @@ class StepResult(NamedTuple):
 
 @standing_for(film_step.solve)
 def solve_bare(
-    given: BalanceInputs, domain: Domain, solver: LinearSolver | Factors, faults: Array
+    inputs: BalanceInputs, domain: Domain, solver: LinearSolver | Factors, faults: Array
 ) -> FilmSolution:
     """Film of hard surfaces."""
-    return film_step.run(film_step.solve, given, domain, solver, faults)
+    return film_step.run(film_step.solve, inputs, domain, solver, faults)
 
 
 @standing_for(coated_film.solve)
 def solve_coated(
     pressed: CoatedInputs,
     layer: Layer,
-    given: BalanceInputs,
+    inputs: BalanceInputs,
     domain: Domain,
     solver: LinearSolver | Factors,
     faults: Array,
 ) -> StepSolution:
     """Film under a coating that yields to the pressure."""
-    return film_step.run(coated_film.solve, pressed, layer, given, domain, solver, faults)
+    return film_step.run(coated_film.solve, pressed, layer, inputs, domain, solver, faults)
 
 
 # ---- forces
@@ -138,19 +138,19 @@ def turning_of(fixed: FilmConstants, inputs: Inputs) -> CircumferentialInputs:
 
 @compilable
 def acting_of(
-    fixed: FilmConstants, inputs: Inputs, seen: ForceInputs, faults: Array
+    fixed: FilmConstants, inputs: Inputs, forces: ForceInputs, faults: Array
 ) -> SurfaceForces:
     """Return the forces of a solved film; note a fault if they are not finite."""
     outside = inputs.around.outside
     film = parts.SolvedFilm(
         hard_film=inputs.hard_film,
-        deflection=seen.deflection,
-        steps=seen.steps,
+        deflection=forces.deflection,
+        steps=forces.steps,
         velocity=inputs.velocity,
         turning=inputs.turning,
-        quantities=raised(seen.flow.quantities, seen.under.ratio),
-        pressure=seen.under.pressure,
-        fraction=seen.fraction,
+        quantities=raised(forces.flow.quantities, forces.under.ratio),
+        pressure=forces.under.pressure,
+        fraction=forces.fraction,
         lower=outside.lower,
         upper=outside.upper,
     )
@@ -160,7 +160,7 @@ def acting_of(
         return SurfaceForces(acted, inputs.turning, powers)
     turning = turning_of(fixed, inputs)
     around = circumferential.shear_forces(acted.shear, turning)
-    thickness = inputs.hard_film + seen.deflection  # Eq. (L2)
+    thickness = inputs.hard_film + forces.deflection  # Eq. (L2)
     above = np.maximum(thickness, fixed.laws.minimum_flow_film)
     powers = circumferential.powers(powers, acted.shear, around, turning, above)
     return SurfaceForces(acted, around.viscous + around.boundary, powers)
@@ -350,7 +350,7 @@ def solve(
     nothing = np.zeros((0, 0))
     sheared = sheared_of(inputs)
     flow = flow_film(inputs.hard_film, sheared, fixed.laws)
-    given = BalanceInputs(
+    balance_inputs = BalanceInputs(
         film=flow.quantities,
         entrainment=begun.entrainment,
         edges=begun.edges,
@@ -366,12 +366,12 @@ def solve(
         pressed = CoatedInputs(
             inputs.hard_film, before.deflection, before.unknown, memory.steps, sheared
         )
-        solved = solve_coated(pressed, layer, given, fixed.domain, solver, faults)
+        solved = solve_coated(pressed, layer, balance_inputs, fixed.domain, solver, faults)
         gap = inputs.hard_film + solved.deflection
         parts.check_overlap(gap, surfaces, 0.0, FAULT.overlap_of_coating, faults)
         return solved
-    found = solve_bare(given, fixed.domain, solver, faults)
-    return StepSolution(before.deflection, flow, found, found.iterations)
+    solution = solve_bare(balance_inputs, fixed.domain, solver, faults)
+    return StepSolution(before.deflection, flow, solution, solution.iterations)
 
 
 @compilable
@@ -411,14 +411,14 @@ def end(
     A fault is noted if they are not finite.
     """
     before = memory.film
-    found = solved.solution
+    film = solved.solution
     flow = solved.flow
     domain = fixed.domain
     length = inputs.length
-    under = true_pressure(inputs.around.pressure_law, found.pressure)
+    under = true_pressure(inputs.around.pressure_law, film.pressure)
     check_suction(inputs.around.pressure_law, under.pressure, faults)
-    seen = ForceInputs(solved.deflection, memory.steps, flow, under, found.film_fraction)
-    acting = acting_of(fixed, inputs, seen, faults)
+    force_inputs = ForceInputs(solved.deflection, memory.steps, flow, under, film.film_fraction)
+    acting = acting_of(fixed, inputs, force_inputs, faults)
     acted = acting.along
     law = inputs.around.pressure_law
     cavitation = fixed.surfaces.cavitation_pressure
@@ -426,25 +426,25 @@ def end(
     if law.kind != PRESSURE_VISCOSITY_LAWS.none and highest > law.limit:
         remark(faults, FAULT.beyond_pressure_law)
     axial = begun.entrainment.axial
-    went = parts.passage(before, begun.begin, found, axial, length, domain)
+    went = parts.passage(before, begun.begin, film, axial, length, domain)
     account = parts.account(
-        before, memory.totals, acted, acting.powers, found, went.growth, cavitation, length
+        before, memory.totals, acted, acting.powers, film, went.growth, cavitation, length
     )
     layer = _layer_left(fixed, memory, inputs, begun, solved, went.passed)
     ledger = parts.BalanceScalars(
         boundary_share=account.boundary_share,
         received_power=account.received_power,
-        flows=(float(found.edge_flow[LOWER]), float(found.edge_flow[UPPER]), found.from_openings),
-        outflow=parts.leaving_above(found.axial_flow),
-        imbalance=found.mass_imbalance,
+        flows=(float(film.edge_flow[LOWER]), float(film.edge_flow[UPPER]), film.from_openings),
+        outflow=parts.leaving_above(film.axial_flow),
+        imbalance=film.mass_imbalance,
         oil_in_film=account.oil,
         heat=account.heat,
     )
     after = parts.PreviousFilm(
-        unknown=found.unknown,
+        unknown=film.unknown,
         unknown_before=before.unknown,
         pressure=under.pressure,
-        content=found.content,
+        content=film.content,
         growth=went.growth,
         growth_before=before.growth,
         deflection=solved.deflection,
@@ -460,12 +460,12 @@ def end(
         slopes=flow.slopes,
         slopes_around=flow.slopes_around,
         under=under,
-        filling=solved_filling(found, domain.model),
+        filling=solved_filling(film, domain.model),
         edges=begun.edges,
         length=begun.begin.start.length,
-        unknown=found.unknown,
-        full=found.full,
-        stencil=found.stencil,
+        unknown=film.unknown,
+        full=film.full,
+        stencil=film.stencil,
         shear=acted.shear,
         pressure_slope=acted.contact.pressure_slope,
         stress_slope=acted.contact.shear_stress_slope,
@@ -474,7 +474,7 @@ def end(
     )
     return StepResult(
         Memory(after, account.totals, layer, memory.steps),
-        fields_of(acting, found.film_fraction),
+        fields_of(acting, film.film_fraction),
         scalars_of(fixed, acting, ledger, layer),
         last,
         solved.iterations,

@@ -333,7 +333,7 @@ class OilTransport(NamedTuple):
 def passage(
     before: PreviousFilm,
     begun: EulerStart,
-    found: FilmSolution,
+    solution: FilmSolution,
     axial_velocity: Array,
     step: float,
     domain: Domain,
@@ -344,7 +344,7 @@ def passage(
     ----------
     before : PreviousFilm
     begun : EulerStart
-    found : film_step.FilmSolution
+    solution : film_step.FilmSolution
     axial_velocity : ndarray, shape (n_c, n_a)
         Entrainment velocity at the end of the step [m/s].
     step : float
@@ -362,9 +362,9 @@ def passage(
     passed = np.empty((n_c, n_a + 1))
     for i in range(n_c):
         for j in range(n_a):
-            growth[i, j] = (found.content[i, j] - before.content[i, j]) / step
+            growth[i, j] = (solution.content[i, j] - before.content[i, j]) / step
         for j in range(n_a + 1):
-            passed[i, j] = pace.share * before.passed[i, j] + length * found.axial_flow[i, j]
+            passed[i, j] = pace.share * before.passed[i, j] + length * solution.axial_flow[i, j]
     travel = transport.travelled(before.travel, pace, axial_velocity, domain.open_cells, length)
     return OilTransport(growth, passed, travel)
 
@@ -430,7 +430,7 @@ def account(
     totals: Totals,
     acted: Forces,
     powers: FrictionPowers,
-    found: FilmSolution,
+    solution: FilmSolution,
     growth: Array,
     cavitation_pressure: float,
     step: float,
@@ -458,7 +458,7 @@ def account(
         At the beginning.
     acted : Forces
     powers : FrictionPowers
-    found : film_step.FilmSolution
+    solution : film_step.FilmSolution
     growth : ndarray, shape (n_c, n_a)
         Of `OilTransport`.
     cavitation_pressure : float
@@ -482,10 +482,10 @@ def account(
             pressed += area[i, j] * mean * growth[i, j]
     # Eq. (A11)
     heat = powers.friction - pressed
-    kept = acted.stored - totals.stored - cavitation_pressure * (acted.volume - totals.volume)
-    received = heat + kept / step
+    gained = acted.stored - totals.stored - cavitation_pressure * (acted.volume - totals.volume)
+    received = heat + gained / step
     after = Totals(friction_work, boundary_work, acted.stored, acted.volume)
-    return Account(after, share, sum_of_products(found.content, area), received, heat)
+    return Account(after, share, sum_of_products(solution.content, area), received, heat)
 
 
 @compiled

@@ -11,12 +11,12 @@ from ..master.fmi.variables import Variable
 from .common.grid import Flags
 
 
-def read(given: Mapping[str, Any], known: Mapping[str, Variable], kind: str) -> dict[str, Any]:
+def read(texts: Mapping[str, Any], known: Mapping[str, Variable], kind: str) -> dict[str, Any]:
     """Return values in SI by name.
 
     Parameters
     ----------
-    given : mapping
+    texts : mapping
         Numbers or arrays in SI, or text with a unit.
     known : mapping
         Variables by name. One with a shape takes a value for all elements too.
@@ -30,7 +30,7 @@ def read(given: Mapping[str, Any], known: Mapping[str, Variable], kind: str) -> 
     """
     values: dict[str, Any] = {}
     faults: list[str] = []
-    for name, value in given.items():
+    for name, value in texts.items():
         variable = known.get(name)
         if variable is None:
             faults.append(f"{name}: {unknown(kind, name, known)}")

@@ -178,9 +178,9 @@ class Surface(Options):
 
     def region(self) -> Region:
         """Return the surface as `mesh.read_mesh` takes it."""
-        given = self.model_dump(exclude={"shape"}, exclude_none=True)
+        sizes = self.model_dump(exclude={"shape"}, exclude_none=True)
         regions = {"cylinder": Cylinder, "bore": Bore, "plane": Plane}
-        return regions[self.shape](**given)
+        return regions[self.shape](**sizes)
 
 
 class RigidPiston(Options):

@@ -128,16 +128,21 @@ def options_ahead(
     return BuildOptions(
         grid=build.grid,
         piston=PistonOptions(
-            "", 0, pin_offset, tables.skirt, hot.get("piston"), build.piston.is_hot
+            file="",
+            modes=0,
+            pin_offset=pin_offset,
+            profiles=tables.skirt,
+            hot=hot.get("piston"),
+            is_hot=build.piston.is_hot,
         ),
         block=BlockOptions(
-            "",
-            0,
-            orders,
-            tables.bore,
-            bore_from_outside(build),
-            hot.get("block"),
-            build.block.is_hot,
+            file="",
+            modes=0,
+            orders=orders,
+            profiles=tables.bore,
+            bore_from_outside=bore_from_outside(build),
+            hot=hot.get("block"),
+            is_hot=build.block.is_hot,
         ),
         gas=tables.gas,
         speed=tables.speed,
@@ -271,8 +276,8 @@ def hot_piston(piston: ReducedPiston, hot: HotShape | None) -> ReducedPiston:
 
 def bore_from_outside(build: Build) -> BoreGrid | None:
     """Return the grid of a bore whose deflection comes from outside."""
-    given = build.block.bore_from_outside
-    return BoreGrid(given.around, given.axial) if given else None
+    grid = build.block.bore_from_outside
+    return BoreGrid(grid.around, grid.axial) if grid else None
 
 
 def in_space(build: Build, piston: Path) -> InSpace:
@@ -420,8 +425,8 @@ def _asymmetries(
     both = (("piston", build.piston), ("block", build.block))
     bodies = {name: load(kind_of(body), files[name]) for name, body in both if body}
     skirt = _mesh_skirt(files["piston"]) if "piston" in files else None
-    found = asymmetries_of_bodies(bodies, skirt, build.grid[0], limit, start)
-    return found + asymmetries_of_heat(hot_shapes(build, lambda text: None))
+    reasons = asymmetries_of_bodies(bodies, skirt, build.grid[0], limit, start)
+    return reasons + asymmetries_of_heat(hot_shapes(build, lambda text: None))
 
 
 def _reject(assumed: list[str], reasons: list[str]) -> None:

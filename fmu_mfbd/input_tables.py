@@ -42,9 +42,9 @@ def read_tables(build: Bodies) -> Tables:
     """Read all tables before any long computation, with every fault in one message."""
     faults = []
 
-    def tried(read: Callable[[Given], Table], given: Given) -> Table | None:
+    def tried(read: Callable[[Given], Table], source: Given) -> Table | None:
         try:
-            return read(given)
+            return read(source)
         except ValueError as error:
             faults.append(str(error))
             return None
@@ -102,10 +102,10 @@ def read_temperatures(build: Build) -> WallTemperatures | None:
     BadInput
         If a table is missing values, or has one out of range.
     """
-    given = build.temperatures
-    if given is None:
+    temperatures = build.temperatures
+    if temperatures is None:
         return None
-    walls = ("skirt", given.skirt), ("bore", given.bore)
+    walls = ("skirt", temperatures.skirt), ("bore", temperatures.bore)
     skirt, bore = for_all(lambda wall: _wall(*wall), walls)
     stations = build.block.stations
     if build.block.reduced:
@@ -113,29 +113,29 @@ def read_temperatures(build: Build) -> WallTemperatures | None:
     return WallTemperatures(skirt, bore, stations)
 
 
-def _wall(name: str, given: Wall) -> WallTemperature:
+def _wall(name: str, wall: Wall) -> WallTemperature:
     """Return the temperature of a wall: its level, and the difference of each part from it."""
-    if given.input:
+    if wall.input:
         return WallTemperature(REFERENCE, varies=True)
-    if given.edges:
-        lower, upper = given.edges
+    if wall.edges:
+        lower, upper = wall.edges
         return WallTemperature((lower + upper) / 2, rise=upper - lower)
-    if given.value is not None:
-        return WallTemperature(given.value)
-    assert given.file and given.angle_unit and given.height_unit and given.temperature_unit
+    if wall.value is not None:
+        return WallTemperature(wall.value)
+    assert wall.file and wall.angle_unit and wall.height_unit and wall.temperature_unit
     where = f"temperatures.{name}.file"
     try:
-        table = profile_table(given.file, given.angle_unit, given.height_unit, 1.0)
+        table = profile_table(wall.file, wall.angle_unit, wall.height_unit, 1.0)
     except ValueError as error:
         raise BadInput(f"{where}: {error}") from None
-    value = table.value + ZEROS[given.temperature_unit]
+    value = table.value + ZEROS[wall.temperature_unit]
     out = (value < LOWEST) | (value > HIGHEST)
     if out.any():
         row, column = np.argwhere(out)[0]
         raise BadInput(
             f"{where}: expected {LOWEST:g} to {HIGHEST:g} K, got {value[row, column]:g} K at "
             f"{np.degrees(table.angle[column]):g} deg, {1e3 * table.height[row]:g} mm in "
-            f"{given.file}; check temperature_unit"
+            f"{wall.file}; check temperature_unit"
         )
     level = float(value.mean())
     return WallTemperature(level, table=replace(table, value=value - level))

@@ -32,20 +32,16 @@ from .dynamics.assembly import (
     setup_of,
 )
 from .dynamics.block_force import BlockForce
-from .dynamics.carrier import FIXED, carrier_from
 from .dynamics.contradictions import FAULT, FAULTS, check
 from .dynamics.drive import Scalars
 from .dynamics.element_laws import SWITCHES
-from .dynamics.generalised_alpha import coefficients
 from .dynamics.half_films import check_even, check_half
 from .dynamics.instant import of_bearings, slides_at
 from .dynamics.model import MOTION
 from .dynamics.model_faults import body_faults
 from .dynamics.parameters import Parameters, Settings, settings_of
 from .dynamics.pin_outputs import PIN_NAMES
-from .dynamics.piston_motion import LATERAL, RIGID, ROCKING
 from .dynamics.response import StepEnd
-from .dynamics.slider_crank import CrankMotion
 from .dynamics.state import PistonState, problem_of, step_coefficients
 from .dynamics.step import (
     FIELDS,
@@ -70,6 +66,10 @@ from .dynamics.system import RingForce
 from .dynamics.thermal_growth import FieldInputs, warm_walls
 from .geometry.film import NodalForces
 from .geometry.pin import PinForces
+from .mechanism.carrier import FIXED, carrier_from
+from .mechanism.generalised_alpha import coefficients
+from .mechanism.piston_motion import LATERAL, RIGID, ROCKING
+from .mechanism.slider_crank import CrankMotion
 from .native_fields import forces_at, gathered, put_films, put_stacked, scatter
 from .native_walls import WallPlaces, growths_of, wall_places
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS
@@ -183,7 +183,7 @@ class BodyMemory(NamedTuple):
     """
 
     places: np.ndarray
-    given: np.ndarray
+    setup: np.ndarray
     model: np.ndarray
     state: np.ndarray
     begun: np.ndarray
@@ -216,7 +216,7 @@ def lengths_of(setup: NativeSetup, walls: WallPlaces, model: BodyModel):
     return length_of_model(model), state, state, last, ROOM, 2
 
 
-def given(slave: Any) -> np.ndarray:
+def setup_row(slave: Any) -> np.ndarray:
     """Return the constant part of the memory of an FMU: head and parts without parameters.
 
     Parameters
@@ -228,13 +228,13 @@ def given(slave: Any) -> np.ndarray:
     bodies = load_bodies(slave.resources, options)
     if wrong := body_faults(bodies, options):
         raise BadInput(wrong)
-    setup = setup_of(bodies, options, NEEDS)
+    body_setup = setup_of(bodies, options, NEEDS)
     needs = settings_of(replace(NEEDS, film_symmetry="none"))
-    model = assembled(setup, needs._replace(**dict.fromkeys(SWITCHES, 1.0)))
+    model = assembled(body_setup, needs._replace(**dict.fromkeys(SWITCHES, 1.0)))
     n = coordinates_of(model)
     begin, joints = options.start, model.parts.chain.joints.tip.shape[1] - RIGID
-    given = NativeSetup(
-        bodies=setup,
+    setup = NativeSetup(
+        bodies=body_setup,
         start_given=begin is not None,
         start_angle=begin.crank_angle if begin else 0.0,
         start_speed=begin.rotation_speed if begin else 0.0,
@@ -242,8 +242,8 @@ def given(slave: Any) -> np.ndarray:
         start_velocity=begin.velocity(joints) if begin else np.zeros(n),
     )
     places = _places(slave)
-    lengths = lengths_of(given, places.walls, model)
-    first = {"places": row_of(places), "given": row_of(given)}
+    lengths = lengths_of(setup, places.walls, model)
+    first = {"places": row_of(places), "setup": row_of(setup)}
     return memory_of(first, dict(zip(BodyMemory._fields[len(first) :], lengths)))
 
 
@@ -332,10 +332,10 @@ def publish(real, integer, counts, places, model, result):
     put_each(real, places.pins.work_error, now.pin_work_error)
     first, last = modes_of(model)
     put_stacked(real, outputs.modal_coordinate, now.end.position[first:last])
-    put_stacked(real, outputs.modal_velocity, now.kept.velocity[first:last])
+    put_stacked(real, outputs.modal_velocity, now.next_start.velocity[first:last])
     parts = model.parts
     put_stacked(real, outputs.bearing_coordinate, of_bearings(parts, now.end.position))
-    put_stacked(real, outputs.bearing_velocity, of_bearings(parts, now.kept.velocity))
+    put_stacked(real, outputs.bearing_velocity, of_bearings(parts, now.next_start.velocity))
     put_each(real, places.slides, slides_at(parts, now.end.position, len(places.slides)))
     counts[0] += now.evaluations
     counts[1] += now.tangents
@@ -382,17 +382,17 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     parts = parts_of(memory)
     faults = parts.faults
     faults[0] = 0.0
-    given, places = setup_from(parts.given), places_from(parts.places)
+    setup, places = setup_from(parts.setup), places_from(parts.places)
     numbers_of_settings = get_each(real, places.settings)
     numbers_of_settings[CHOSEN_GAS] = float(integer[places.gas_source])
     numbers_of_settings[FREE] = float(integer[places.crank_free])
     numbers_of_settings[SYMMETRY] = float(integer[places.film_symmetry])
     p = settings_from(numbers_of_settings)
-    lacks_gas = p.gas_source == GAS.table and len(given.bodies.gas.angle) == 0
-    check(given.bodies.fit, p, lacks_gas, faults)
+    lacks_gas = p.gas_source == GAS.table and len(setup.bodies.gas.angle) == 0
+    check(setup.bodies.fit, p, lacks_gas, faults)
     if faults[0] > 0.0:
         return
-    model = assembled(given.bodies, p)
+    model = assembled(setup.bodies, p)
     check_half(model.parts.surfaces, p, faults)
     if faults[0] > 0.0:
         return
@@ -402,26 +402,26 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
         check_even(model.parts.surfaces, forces, odd)
         if odd[0] > 0.0:
             numbers_of_settings[SYMMETRY] = WHOLE
-            model = assembled(given.bodies, settings_from(numbers_of_settings))
+            model = assembled(setup.bodies, settings_from(numbers_of_settings))
     if length_of_model(model) > len(parts.model):
         refuse(faults, FAULT.other_state, 0.0, 0.0, 0.0, 0.0, 0.0)
         return
     put_model(parts.model, model)
     model = model_from(parts.model)
     parts.counts[0], parts.counts[1] = 0.0, 0.0
-    position = given.start_position.copy()
-    crank_angle = given.start_angle
+    position = setup.start_position.copy()
+    crank_angle = setup.start_angle
     speed = float(real[places.crank_speed])
-    if given.start_given and p.crank_free != 0.0:
-        speed = given.start_speed
-    if not given.start_given:
+    if setup.start_given and p.crank_free != 0.0:
+        speed = setup.start_speed
+    if not setup.start_given:
         position[LATERAL] = p.start_lateral_displacement
         position[ROCKING] = p.start_rocking_angle
         crank_angle = p.start_crank_angle
     crank = crank_at_start(model, crank_angle, speed)
     now = coefficients(0.0, p.spectral_radius)
     for _ in range(START_PASSES):
-        before = at_rest(crank, position, given.start_velocity)
+        before = at_rest(crank, position, setup.start_velocity)
         solve(real, integer, memory, places, model, now, before, crank)
         state = state_from(parts.state.copy())
         keep(parts.begun, parts.state)
@@ -466,7 +466,7 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 
 PART = NativePart(
     entries=(start, advance, tangent),
-    given=given,
+    setup=setup_row,
     uncovered=uncovered,
     faults=FAULTS,
     refusal="",

@@ -40,12 +40,12 @@ def wall_places(slave: Any) -> WallPlaces:
         return np.array([np.prod(shape) for shape in shapes], dtype=float)
 
     return WallPlaces(
-        positions_of(slave, [f"{one.prefix}{WALL_FIELDS['skirt']}" for one in skirt]),
-        cells(one.shape for one in skirt),
-        positions_of(slave, [WALL_FIELDS["bore"]] * len(bore)),
-        cells(bore),
-        positions_of(slave, [f"{one.prefix}{OIL}" for one in oil]),
-        cells(one.shape for one in oil),
+        skirt=positions_of(slave, [f"{one.prefix}{WALL_FIELDS['skirt']}" for one in skirt]),
+        skirt_cells=cells(one.shape for one in skirt),
+        bore=positions_of(slave, [WALL_FIELDS["bore"]] * len(bore)),
+        bore_cells=cells(bore),
+        oil=positions_of(slave, [f"{one.prefix}{OIL}" for one in oil]),
+        oil_cells=cells(one.shape for one in oil),
     )
 
 

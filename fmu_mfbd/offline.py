@@ -184,20 +184,20 @@ def cylinder(name: str, radius: float, ends: tuple[float, float], top: bool) -> 
     ring = np.column_stack([radius * np.sin(angle), np.zeros(AROUND), radius * np.cos(angle)])
     points = [ring + [0.0, height, 0.0] for height in heights]
     here = np.arange(AROUND)
-    beside = np.roll(here, -1)
+    following = np.roll(here, -1)
     quads = [(k * AROUND, (k + 1) * AROUND) for k in range(ALONG)]
     triangles = [
         np.column_stack(corners)
         for low, high in quads
         for corners in (
-            (low + here, low + beside, high + beside),
-            (low + here, high + beside, high + here),
+            (low + here, low + following, high + following),
+            (low + here, high + following, high + here),
         )
     ]
     if top:
         last = ALONG * AROUND
         centre = np.full(AROUND, last + AROUND)
-        triangles.append(np.column_stack([last + here, last + beside, centre]))
+        triangles.append(np.column_stack([last + here, last + following, centre]))
         points.append(np.array([[0.0, ends[1], 0.0]]))
     whole = np.concatenate(points)
     no_modes = np.zeros((len(whole), 3, 0))
@@ -209,12 +209,12 @@ def _skin(name, whole):
     corners, triangles = np.unique(anatomy.skin[:, :3], return_inverse=True)
     skirt = (body.skirt_lower, body.skirt_upper) if isinstance(body, ReducedPiston) else None
     return Skin(
-        name,
-        anatomy.points[corners],
-        triangles.reshape(-1, 3),
-        anatomy.shapes[corners],
-        skirt,
-        _stress_at(anatomy, corners) if skirt else None,
+        name=name,
+        points=anatomy.points[corners],
+        triangles=triangles.reshape(-1, 3),
+        modes=anatomy.shapes[corners],
+        skirt=skirt,
+        stress=_stress_at(anatomy, corners) if skirt else None,
     )
 
 

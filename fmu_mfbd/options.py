@@ -331,8 +331,8 @@ class Common(BuildTable):
 
     def crank_films(self) -> dict[str, CrankBearing]:
         """Return the films of the crank, by surface."""
-        given = {name: getattr(self, name) for name in CRANK_SURFACES}
-        return {name: one for name, one in given.items() if one}
+        surfaces = {name: getattr(self, name) for name in CRANK_SURFACES}
+        return {name: one for name, one in surfaces.items() if one}
 
     def faults(self, folder: Path) -> list[str]:
         """Return the faults of files and ends of the bodies; paths become absolute."""
@@ -425,7 +425,7 @@ def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
                 f"{name}.modes: expected 0 or a rigid {name} with motion_in_space, got "
                 f"{body.modes:g}; {IN_SPACE}"
             )
-    beside = {
+    conflicts = {
         "floating_pin": build.floating_pin,
         **build.crank_films(),
         "mounted": build.mounted,
@@ -434,8 +434,8 @@ def _faults_in_space(build: Build, space: MotionInSpace) -> list[str]:
     }
     faults += [
         f"{name}: expected nothing with motion_in_space, got a value; {IN_SPACE}"
-        for name, given in beside.items()
-        if given
+        for name, value in conflicts.items()
+        if value
     ]
     sheet = build.piston.rigid
     if sheet is None:
@@ -534,16 +534,16 @@ def resolve(table: BaseModel, folder: Path, where: str = "") -> list[str]:
     """Make all paths of a table absolute; a sentence for each that is no file."""
     faults = []
     for key, field in type(table).model_fields.items():
-        given = getattr(table, key)
-        if FILE in field.metadata and given is not None:
-            path = (folder / given).resolve()
+        value = getattr(table, key)
+        if FILE in field.metadata and value is not None:
+            path = (folder / value).resolve()
             setattr(table, key, str(path))
             if not path.is_file():
-                faults.append(f"{where}{key}: expected a file in {folder}, got {given!r}")
-        elif isinstance(given, BaseModel):
-            faults += resolve(given, folder, f"{where}{key}.")
-        elif isinstance(given, list):
-            tables = [one for one in given if isinstance(one, BaseModel)]
+                faults.append(f"{where}{key}: expected a file in {folder}, got {value!r}")
+        elif isinstance(value, BaseModel):
+            faults += resolve(value, folder, f"{where}{key}.")
+        elif isinstance(value, list):
+            tables = [one for one in value if isinstance(one, BaseModel)]
             for k, one in enumerate(tables):
                 faults += resolve(one, folder, f"{where}{key}.{k}.")
     return faults

@@ -90,12 +90,12 @@ def warm_walls(
     growing = free_radii(cold, walls is not None, p)
     above = p.reference_temperature
     return WarmWalls(
-        skirt,
-        bore,
-        edges,
-        wall_growth(p.piston_expansion, growing.skirt, skirt - above),
-        wall_growth(p.bore_expansion, growing.bore, bore - above),
-        radii,
+        skirt=skirt,
+        bore=bore,
+        skirt_edges=edges,
+        skirt_growth=wall_growth(p.piston_expansion, growing.skirt, skirt - above),
+        bore_growth=wall_growth(p.bore_expansion, growing.bore, bore - above),
+        free=radii,
     )
 
 

@@ -129,21 +129,21 @@ def judge_profile(
         text = f"expected deviations below {_mm(LARGEST)} mm, got {_mm(largest)} mm"
         hint = "check value_unit, or subtract the nominal radius from radii"
         return [Message("fault", f"{text}; {hint}")]
-    found = []
+    messages = []
     if share < WHOLE:
         text = f"expected heights over {span}; the first and the last row continue to the ends"
-        found.append(Message("warning", text))
+        messages.append(Message("warning", text))
     if largest > LARGE:
         text = f"expected deviations below {_um(LARGE)}, got {_um(largest)}; check value_unit"
-        found.append(Message("warning", text))
+        messages.append(Message("warning", text))
     if radius is not None and 0 < (step := float(np.ptp(shape.value))) < CLEAR:
         text = f"expected values that differ by more than {_um(CLEAR)}, got {_um(step)}"
         hint = "check value_unit, or subtract the nominal radius from radii"
-        found.append(Message("warning", f"{text}; {hint}"))
+        messages.append(Message("warning", f"{text}; {hint}"))
     if radius is not None:
         form = form_of(shape, max(low, lower), min(high, upper))
-        found += _of_form(shape, form, 2 * radius)
-    return found + _of_surface(shape)
+        messages += _of_form(shape, form, 2 * radius)
+    return messages + _of_surface(shape)
 
 
 def covered_share(shape: MeasuredShape, lower: float, upper: float) -> float:
@@ -159,7 +159,7 @@ def covered_share(shape: MeasuredShape, lower: float, upper: float) -> float:
 
 def _of_form(shape: MeasuredShape, form: Form, diameter: float) -> list[Message]:
     """Return findings about sign, turn and diameter."""
-    found = []
+    messages = []
     oval = form.ovality > CLEAR
     concave = shape.height.size > 2 and form.barrel < -CLEAR
     turned = oval and abs(form.turn) > TURNED
@@ -167,24 +167,24 @@ def _of_form(shape: MeasuredShape, form: Form, diameter: float) -> list[Message]
     if concave:
         text = f"expected a skirt that narrows towards its ends, got {_um(-form.barrel)} wider ends"
         hint = "values are positive inwards; change their sign if they grow with the diameter"
-        found.append(Message("warning", f"{text}; {hint}"))
+        messages.append(Message("warning", f"{text}; {hint}"))
     elif turned:
         text = (
             f"expected the smallest diameter at 0 deg, along the pin, got it at {degrees:.0f} deg"
         )
         hint = "angles count from the pin axis towards thrust; turn the table or check its sign"
-        found.append(Message("warning", f"{text}; {hint}"))
+        messages.append(Message("warning", f"{text}; {hint}"))
     if oval and (form.ovality > OVAL * diameter or form.barrel > DROP * diameter):
         text = (
             f"expected a usual form, got an ovality of {_um(form.ovality)} in diameter and a drop "
             f"of {_um(form.barrel)} in radius; if values are diameters, halve value_unit"
         )
-        found.append(Message("warning", text))
+        messages.append(Message("warning", text))
     if half_turn(shape):
         text = "expected radii, got the same values at opposite angles"
         hint = "if they are differences of diameters, halve value_unit"
-        found.append(Message("remark", f"{text}; {hint}"))
-    return found
+        messages.append(Message("remark", f"{text}; {hint}"))
+    return messages
 
 
 def half_turn(shape: MeasuredShape) -> bool:
@@ -201,18 +201,18 @@ def half_turn(shape: MeasuredShape) -> bool:
 def _of_surface(shape: MeasuredShape) -> list[Message]:
     """Return findings about dust and roughness of the table."""
     smooth = smooth_shape(shape)
-    found = []
+    messages = []
     for grain in smooth.grains if smooth else ():
         side = "outside" if grain.gap < 0 else "inside"
         text = (
             f"expected a smooth surface, got a single value {_um(abs(grain.gap))} {side} it at "
             f"{place_of(shape, grain)}; dust or a scratch is removed by piston-cosim profile"
         )
-        found.append(Message("warning", f"{text} --smooth"))
+        messages.append(Message("warning", f"{text} --smooth"))
     if smooth and smooth.rough:
         text = f"expected a smooth surface, got {smooth.rough} values more than {_um(GRAIN)} off it"
-        found.append(Message("remark", f"{text}; steps and grooves are splines in the film"))
-    return found
+        messages.append(Message("remark", f"{text}; steps and grooves are splines in the film"))
+    return messages
 
 
 def place_of(shape: MeasuredShape, grain: Grain) -> str:

@@ -24,7 +24,7 @@ from .reduction.reduced_body import (
     ShellKind,
     load,
 )
-from .reduction.store import kept_shell
+from .reduction.store import stored_shell
 from .thrust_symmetry import kind_of
 
 Say = Callable[[str], None]
@@ -100,7 +100,7 @@ def reduced_shell(
         Every fault of the mesh, or the option that the reduction rejects.
     """
     with reducing(kind.title.replace(" ", "_"), options.mesh, progress, table) as say:
-        return kept_shell(options, density, film, kind, cache_folder("bodies"), say)
+        return stored_shell(options, density, film, kind, cache_folder("bodies"), say)
 
 
 def hot_shapes(build: Bodies, progress: Say) -> dict[str, HotShape]:

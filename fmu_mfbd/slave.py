@@ -13,7 +13,6 @@ from ..master.fmi.variables import Variable
 from . import variables as table
 from .dynamics.assembly import load_bodies, model_of
 from .dynamics.build_options import BuildOptions
-from .dynamics.carrier import FIXED, Carrier
 from .dynamics.model import (
     MOTION,
     NO_FIELD,
@@ -28,10 +27,11 @@ from .dynamics.model import (
 )
 from .dynamics.model_faults import faults
 from .dynamics.parameters import ELEMENT_PARAMETERS, REFERENCE, TUNABLE, Damping, Parameters, taken
-from .dynamics.piston_motion import RIGID
 from .dynamics.state import PistonState
 from .dynamics.system import RingForce
 from .geometry.pin import PinForces
+from .mechanism.carrier import FIXED, Carrier
+from .mechanism.piston_motion import RIGID
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS, WALL_FIELDS, WALL_LEVELS
 
 BORE = "bore_deflection"

@@ -61,24 +61,24 @@ class Wall(Options):
 
     @model_validator(mode="before")
     @classmethod
-    def _short(cls, given: Any) -> Any:
-        if given == "input":
+    def _short(cls, value: Any) -> Any:
+        if value == "input":
             return {"input": True}
-        if isinstance(given, list | tuple):
-            return {"edges": given}
-        return given if isinstance(given, dict) else {"value": given}
+        if isinstance(value, list | tuple):
+            return {"edges": value}
+        return value if isinstance(value, dict) else {"value": value}
 
     def contradictions(self) -> list[str]:
         """Return the faults of the source and of its units."""
         forms = {name: getattr(self, name) for name in ("value", "edges", "file", "input")}
-        given = [name for name, value in forms.items() if value]
-        if len(given) != 1:
-            got = " and ".join(given) or "nothing"
+        chosen = [name for name, value in forms.items() if value]
+        if len(chosen) != 1:
+            got = " and ".join(chosen) or "nothing"
             return [f"expected one of value, edges, file and input, got {got}"]
         if self.file:
             return missing_keys(self, UNITS, "with file")
         units = [name for name in UNITS if getattr(self, name) is not None]
-        return [f"{one}: expected it with file only, got it with {given[0]}" for one in units]
+        return [f"{one}: expected it with file only, got it with {chosen[0]}" for one in units]
 
 
 class Temperatures(Options):

@@ -40,17 +40,17 @@ def claims(build: Bodies) -> list[str]:
 
     A file of a reduced body assumes it if all its modes are even about the thrust plane.
     """
-    found = []
+    claimed = []
     for name, body in (("piston", build.piston), ("block", build.block)):
         if body is None or body.rigid:
             continue
         if body.reduced:
             with suppress(ValueError):  # a wrong file is a fault of the build
                 if only_even(load(kind_of(body), Path(body.reduced)), build.grid[0]):
-                    found.append(f"{name}.reduced")
+                    claimed.append(f"{name}.reduced")
         elif body.symmetric_film and body.modes:
-            found.append(f"{name}.symmetric_film")
-    return found
+            claimed.append(f"{name}.symmetric_film")
+    return claimed
 
 
 def kind_of(body: Piston | Block) -> type[ReducedPiston] | type[ReducedBlock]:
@@ -70,34 +70,34 @@ def asymmetries(build: Bodies, tables: Tables, pin_tilt: float = 0.0) -> list[st
         Parameter of the FMU [rad].
     """
     angle, _ = cell_centres(*build.grid, 0.0, 1.0)
-    found = []
+    reasons = []
     if pin_tilt:
-        found.append(f"parameters.pin_tilt ({pin_tilt:g} rad)")
+        reasons.append(f"parameters.pin_tilt ({pin_tilt:g} rad)")
     if build.motion_in_space:
-        found.append("build.motion_in_space (roll and yaw)")
+        reasons.append("build.motion_in_space (roll and yaw)")
     for name, profiles in (("piston", tables.skirt), ("block", tables.bore)):
         if odd := _odd_part(profiles, angle, ODD_SHAPE):
-            found.append(f"build.{name}.profiles (odd part of {short(odd, 'm')})")
+            reasons.append(f"build.{name}.profiles (odd part of {short(odd, 'm')})")
     if build.block:
         orders = [BoreOrder(one.order, one.amplitude, one.phase) for one in build.block.orders]
         odd = float(np.abs(odd_part(fourier_bore(orders, angle))).max())
         if odd > ODD_SHAPE:
-            found.append(f"build.block.orders (odd part of {short(odd, 'm')})")
+            reasons.append(f"build.block.orders (odd part of {short(odd, 'm')})")
         if build.block.bore_from_outside:
-            found.append("build.block.bore_from_outside (deflection of another participant)")
-    return found + _odd_temperatures(tables.temperatures, angle)
+            reasons.append("build.block.bore_from_outside (deflection of another participant)")
+    return reasons + _odd_temperatures(tables.temperatures, angle)
 
 
 def _odd_temperatures(temperatures: WallTemperatures | None, angle: np.ndarray) -> list[str]:
     """Return the walls whose temperature differs from its mirror image, or may do so."""
-    found = []
+    reasons = []
     for name in ("skirt", "bore") if temperatures else ():
         wall = getattr(temperatures, name)
         if wall.varies:
-            found.append(f"build.temperatures.{name} (field of another participant)")
+            reasons.append(f"build.temperatures.{name} (field of another participant)")
         elif wall.table and (odd := _odd_part([wall.table], angle, ODD_TEMPERATURE)):
-            found.append(f"build.temperatures.{name} (odd part of {short(odd, 'K')})")
-    return found
+            reasons.append(f"build.temperatures.{name} (odd part of {short(odd, 'K')})")
+    return reasons
 
 
 def _odd_part(profiles: Sequence[MeasuredShape], angle: np.ndarray, round_off: float) -> float:
@@ -132,28 +132,28 @@ def asymmetries_of_bodies(
     start : StartState, optional
         Motion at the start. Default: undeformed bodies.
     """
-    found = []
+    reasons = []
     if odd := odd_start(start, [*bodies.values()], around):
-        found.append(f"build.start (odd deflection of {short(odd, 'm')})")
+        reasons.append(f"build.start (odd deflection of {short(odd, 'm')})")
     for name, body in bodies.items():
         error = mirror_error(body, around)
         if error > limit:
-            found.append(
+            reasons.append(
                 f"build.{name} (mirrored loads deflect it differently, by {100 * error:.2g} %)"
             )
     if skirt is not None and (odd_part(skirt.astype(float)) != 0.0).any():
-        found.append("build.piston (openings of the skirt)")
-    return found
+        reasons.append("build.piston (openings of the skirt)")
+    return reasons
 
 
 def asymmetries_of_heat(hot: Mapping[str, HotShape]) -> list[str]:
     """Return the reasons why hot shapes, by name of the body, are not their own mirror image."""
-    found = []
+    reasons = []
     for name, shape in hot.items():
         odd = max(float(np.abs(odd_part(one)).max()) for one in (shape.radial, shape.axial))
         if odd > ODD_SHAPE:
-            found.append(f"build.{name} (hot shape with an odd part of {short(odd, 'm')})")
-    return found
+            reasons.append(f"build.{name} (hot shape with an odd part of {short(odd, 'm')})")
+    return reasons
 
 
 def only_even(body: ReducedBody, around: int) -> bool:

@@ -75,27 +75,27 @@ def truncations(
         raise ValueError("the last period has one recorded instant (record.every)")
     rows = film_rows(piston.skirt_lower, piston.skirt_upper, build.grid)
     shape = loads.film.pressure.shape
-    found = {}
+    by_body = {}
     edge_error = None
     gap = np.zeros(shape)
     if len(piston.omega):
         left = load(MissingShapes, files["piston"])
-        found["piston"] = truncation(left, static_modes(piston), loads.film)
+        by_body["piston"] = truncation(left, static_modes(piston), loads.film)
         edge_error = float(left.edge_errors.max())
-        gap = gap + found["piston"].missing.reshape(shape)
+        gap = gap + by_body["piston"].missing.reshape(shape)
     if len(block.omega):
         film = on_stations(loads, rows, block.heights)
         left = load(MissingShapes, files["block"])
-        found["block"] = truncation(left, static_modes(block), film)
-        table = found["block"].missing.reshape(film.pressure.shape)
+        by_body["block"] = truncation(left, static_modes(block), film)
+        table = by_body["block"].missing.reshape(film.pressure.shape)
         gap = gap + on_rows(table, loads.height_of_A, rows, block.heights)
     thickness = recorded_film_thickness(results, build.grid)
     if thickness is None:
-        return Truncations(found, None, None, edge_error)
+        return Truncations(by_body, None, None, edge_error)
     thickness = thickness[-shape[0] :]
     odd = None
     if claims(build):
         film = np.isfinite(thickness)
         whole = np.where(film, thickness, 0.0) + gap
         odd = share_of_film(odd_part(whole, 1) * film, thickness)  # Eq. (J49)
-    return Truncations(found, share_of_film(gap, thickness), odd, edge_error)
+    return Truncations(by_body, share_of_film(gap, thickness), odd, edge_error)

@@ -112,8 +112,8 @@ class Piston:
         body, _ = occ.fuse(shell, inner)
         far = 4 * self.skirt_radius
         if self.cut_beyond is not None:
-            beside = occ.addBox(-far, low - far, self.cut_beyond, 2 * far, high - low + far, far)
-            body, _ = occ.cut(body, [(3, beside)])
+            side_box = occ.addBox(-far, low - far, self.cut_beyond, 2 * far, high - low + far, far)
+            body, _ = occ.cut(body, [(3, side_box)])
         body, _ = occ.cut(body, [(3, occ.addCylinder(0, 0, -far, 0, 0, 2 * far, self.pin))])
         return quarter_of(body)
 
@@ -273,7 +273,7 @@ class TwinBlock:
         round_crank = np.abs(np.hypot(x, y) - self.bearing) < NEAR
         middles = (-long + self.bulkhead / 2, 0.0, long - self.bulkhead / 2)
         sole = np.abs(y - self.floor) < NEAR
-        beside = np.abs(x) > self.half_width - NEAR
+        outer = np.abs(x) > self.half_width - NEAR
         near_end = np.abs(z) > long - self.foot - NEAR
         corners = [(sign_x, sign_z) for sign_z in (-1, 1) for sign_x in (-1, 1)]
         return {
@@ -287,7 +287,7 @@ class TwinBlock:
                 for k, at in enumerate(middles, 1)
             },
             **{
-                f"mount_{k}": sole & beside & near_end & (sign_x * x > 0) & (sign_z * z > 0)
+                f"mount_{k}": sole & outer & near_end & (sign_x * x > 0) & (sign_z * z > 0)
                 for k, (sign_x, sign_z) in enumerate(corners, 1)
             },
         }
@@ -360,8 +360,8 @@ def cylinder_y(radius: float, low: float, high: float, top_radius: float | None 
 def quarter_of(solid: Entities, reach: float = 300.0) -> Entities:
     """Return the part x >= 0, z >= 0 of a solid within a reach in all directions [mm]."""
     occ = gmsh.model.occ
-    kept, _ = occ.intersect(solid, [(3, occ.addBox(0, -reach, 0, reach, 2 * reach, reach))])
-    return kept
+    quarter, _ = occ.intersect(solid, [(3, occ.addBox(0, -reach, 0, reach, 2 * reach, reach))])
+    return quarter
 
 
 def mesh_quarter(

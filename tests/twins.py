@@ -25,7 +25,7 @@ class Twins:
     def start(self):
         self.python.exit_initialization_mode()
         self.numbers = np.zeros(4)
-        begin = self.native.given(self.machine)
+        begin = self.native.setup_row(self.machine)
         size, self.first, self.length, self.faults = map(int, begin[:4])
         self.memory = np.zeros(size)
         self.memory[: begin.size] = begin

@@ -82,7 +82,7 @@ def softness(
     pressed: CoatedInputs,
     deflection: Array,
     layer: Layer,
-    given: BalanceInputs,
+    inputs: BalanceInputs,
     flow: FlowFilm,
     filling: Filling,
     reduced: Array,
@@ -96,7 +96,7 @@ def softness(
     deflection : ndarray, shape (n_c, n_a)
         Of this film [m].
     layer : Layer
-    given : film_step.BalanceInputs
+    inputs : film_step.BalanceInputs
         Whatever its film.
     flow : flow_film.FlowFilm
     filling : reynolds.Filling
@@ -108,11 +108,11 @@ def softness(
     slopes = film_slopes(
         flow.quantities,
         flow.slopes,
-        given.entrainment,
+        inputs.entrainment,
         Entrainment(np.zeros(deflection.shape), np.full(deflection.shape, layer.share)),
         filling,
-        given.edges,
-        given.start.length,
+        inputs.edges,
+        inputs.start.length,
         domain,
     )
     touching = contact(
@@ -135,7 +135,7 @@ def balanced(
     deflection: Array,
     flow: FlowFilm,
     last: BalanceInputs,
-    found: FilmSolution,
+    iterate: FilmSolution,
     factorisations: int,
     domain: Domain,
     solver: LinearSolver | Factors,
@@ -150,12 +150,12 @@ def balanced(
         Under this deflection.
     last : film_step.BalanceInputs
         Of the last iteration.
-    found : film_step.FilmSolution
+    iterate : film_step.FilmSolution
         Of the last iteration.
     factorisations : int
     domain : film_step.Domain
     solver : sparse.LinearSolver or blocks.Factors
-        With the factorisation of `found`.
+        With the factorisation of `iterate`.
 
     Returns
     -------
@@ -171,8 +171,8 @@ def balanced(
         lift=last.lift,
     )
     equations = film_step.equations_of(now, domain)
-    put(equations.lift, found.lift)
-    cells = FullCells(found.unknown, found.full, factorisations, found.stencil)
+    put(equations.lift, iterate.lift)
+    cells = FullCells(iterate.unknown, iterate.full, factorisations, iterate.stencil)
     solution = film_step.completed(cells, equations, solver, True)
     return StepSolution(deflection, flow, solution, factorisations)
 
@@ -181,7 +181,7 @@ def balanced(
 def solve(
     pressed: CoatedInputs,
     layer: Layer,
-    given: BalanceInputs,
+    inputs: BalanceInputs,
     domain: Domain,
     solver: LinearSolver | Factors,
     faults: Array,
@@ -192,7 +192,7 @@ def solve(
     ----------
     pressed : CoatedInputs
     layer : Layer
-    given : film_step.BalanceInputs
+    inputs : film_step.BalanceInputs
         Whatever its film and softness.
     domain : film_step.Domain
     solver : sparse.LinearSolver or blocks.Factors
@@ -205,8 +205,8 @@ def solve(
     """
     hard_film, deflection, unknown, _, sheared = pressed
     full = unknown > 0.0
-    guess = given.full
-    lift = lift_along(given.lift, given.entrainment.axial, domain)
+    guess = inputs.full
+    lift = lift_along(inputs.lift, inputs.entrainment.axial, domain)
     factorisations = 0
     iteration = 0
     while True:
@@ -214,21 +214,21 @@ def solve(
         flow = flow_film(film, sheared, layer.laws)
         reduced, deficit = cavitation.interpret(domain.model, unknown, full)
         filling = Filling(balance_pressure(domain.model, unknown, reduced), 1.0 + deficit, lift)
-        soft = softness(pressed, deflection, layer, given, flow, filling, reduced, domain)
+        soft = softness(pressed, deflection, layer, inputs, flow, filling, reduced, domain)
         now = BalanceInputs(
             film=flow.quantities,
-            entrainment=given.entrainment,
-            edges=given.edges,
-            start=given.start,
+            entrainment=inputs.entrainment,
+            edges=inputs.edges,
+            start=inputs.start,
             full=guess,
             softness=soft,
-            lift=given.lift,
+            lift=inputs.lift,
         )
-        found = film_step.solve(now, domain, solver, faults)
-        factorisations += found.iterations
+        solution = film_step.solve(now, domain, solver, faults)
+        factorisations += solution.iterations
         iteration += 1
         above = np.maximum(film, layer.laws.minimum_flow_film)
-        moved = coating.yielded(deflection, soft, found.pressure, above)
+        moved = coating.yielded(deflection, soft, solution.pressure, above)
         if moved.converged or iteration == coating.LIMIT or faults[0] > 0.0:
             if faults[0] == 0.0 and not moved.converged:
                 most = float(coating.LIMIT)
@@ -236,8 +236,8 @@ def solve(
                     faults, FAULT.deflection_not_found, moved.i, moved.j, most, moved.change, 0.0
                 )
             ended = flow_film(hard_film + moved.deflection, sheared, layer.laws)
-            return balanced(moved.deflection, ended, now, found, factorisations, domain, solver)
+            return balanced(moved.deflection, ended, now, solution, factorisations, domain, solver)
         deflection = moved.deflection
-        unknown = found.unknown
-        full = found.full
-        guess = found.full
+        unknown = solution.unknown
+        full = solution.full
+        guess = solution.full

@@ -335,7 +335,7 @@ def solved(found: FullCells, pressure: Array, balance: reynolds.Balance, equatio
         from_openings = balance.edge_flow[FIRST] + balance.edge_flow[LAST]
     elif domain.has_openings:
         spilled = openings.spilled(domain.open_cells, filling, equations.faces)
-        from_openings = openings.given(domain.open_cells, flow, spilled)
+        from_openings = openings.inflow(domain.open_cells, flow, spilled)
     return FilmSolution(
         unknown=found.unknown,
         pressure=pressure,

@@ -118,7 +118,7 @@ def spilled(open_cells: Flags, filling: Filling, faces: Faces):
 
 
 @compiled
-def given(open_cells: Flags, axial_flow: Array, into: Array):
+def inflow(open_cells: Flags, axial_flow: Array, into: Array):
     """Flow into the film from all openings [m3/s].
 
     Parameters
@@ -167,12 +167,12 @@ def starve(open_cells: Flags, faces: Faces, limit: Array):
 
 
 @compiled
-def filled(beside: np.ndarray, fields: Array):
+def filled(nearest_cell: np.ndarray, fields: Array):
     """Fields whose openings show the nearest cell with a film.
 
     Parameters
     ----------
-    beside : ndarray, shape (n_c, n_a)
+    nearest_cell : ndarray, shape (n_c, n_a)
         From `nearest`.
     fields : ndarray, shape (m, n_c, n_a)
     """
@@ -181,6 +181,6 @@ def filled(beside: np.ndarray, fields: Array):
     for q in range(m):
         for i in range(n_c):
             for j in range(n_a):
-                k = int(beside[i, j])
+                k = int(nearest_cell[i, j])
                 whole[q, i, j] = fields[q, k // n_a, k % n_a]
     return whole

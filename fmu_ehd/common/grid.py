@@ -142,7 +142,11 @@ def add(place: Array, values: Array) -> None:
 
 @compiled
 def sum_of_products(a: Array, b: Array):
-    """Sum over two fields of shape (n, m), one by one; of thickness and area a volume."""
+    """Sum over two fields of shape (n, m), one by one; of thickness and area a volume.
+
+    >>> sum_of_products(np.full((2, 3), 10e-6), np.full((2, 3), 1e-4))
+    6e-09
+    """
     total = 0.0
     for i in range(a.shape[0]):
         for j in range(a.shape[1]):

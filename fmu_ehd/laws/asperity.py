@@ -122,6 +122,9 @@ def gaussian_integral(order: float, separation: Any) -> Any:
     References
     ----------
     [Greenwood1970]. Checked in tests/verification/cases/film.py against published values.
+
+    >>> print(f"{gaussian_integral(2.5, 0.0):.4f} {gaussian_integral(2.5, 3.0):.2e}")
+    0.6166 1.71e-04
     """
     from scipy.special import gamma, pbdv  # slow to import, and smooth films do without
 
@@ -131,7 +134,11 @@ def gaussian_integral(order: float, separation: Any) -> Any:
 
 
 def fitted_integral(separation: Any) -> tuple[Any, Any]:
-    """Return the usual power fit of F_5/2 and its slope, Eq. (A5), for Lambda >= 0."""
+    """Return the usual power fit of F_5/2 and its slope, Eq. (A5), for Lambda >= 0.
+
+    >>> print(f"{fitted_integral(3.0)[0]:.2e}")
+    4.41e-05
+    """
     reach = np.maximum(FIT_REACH - separation, 0.0)
     value = FIT_FACTOR * reach**FIT_POWER  # Eq. (A5)
     slope = -FIT_FACTOR * FIT_POWER * reach ** (FIT_POWER - 1.0)
@@ -219,6 +226,9 @@ def pressure_scale(roughness_product: float, slope_ratio: float, contact_modulus
     -------
     float
         [Pa].
+
+    >>> print(f"{1e-6 * pressure_scale(0.04, 1e-3, 113e9):.1f} MPa")
+    27.1 MPa
     """
     factor = 16.0 * np.sqrt(2.0) * np.pi / 15.0
     return factor * roughness_product**2 * np.sqrt(slope_ratio) * contact_modulus  # Eq. (A3)

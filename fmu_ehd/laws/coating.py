@@ -58,6 +58,9 @@ def compliance(thickness: float, modulus: float, poisson: float) -> float:
         E [Pa].
     poisson : float
         nu [-], 0 to 0.45.
+
+    >>> print(f"{1e6 * 10e6 * compliance(20e-6, 4e9, 0.4):.4f} um at 10 MPa")
+    0.0233 um at 10 MPa
     """
     constrained = thickness * (1.0 + poisson) * (1.0 - 2.0 * poisson)
     return constrained / (modulus * (1.0 - poisson))  # Eq. (L1)

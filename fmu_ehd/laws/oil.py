@@ -87,7 +87,12 @@ def _double_logarithm(viscosity: float) -> float:
 
 @compilable
 def walther_viscosity(a: float, m: float, temperature: Any) -> Any:
-    """Kinematic viscosity [m2/s] at a temperature [K], Eq. (O2)."""
+    """Kinematic viscosity [m2/s] at a temperature [K], Eq. (O2).
+
+    >>> nu = walther_viscosity(8.0, 3.1, 373.15)
+    >>> print(f"{1e6 * nu:.2f} mm2/s")
+    10.90 mm2/s
+    """
     return 1e-6 * (10.0**10.0 ** (a - m * np.log10(temperature)) - 0.7)  # Eq. (O2)
 
 
@@ -99,6 +104,10 @@ def vogel_constants(
     The viscosities [Pa s] belong to three temperatures [K].
 
     The ratio of the two logarithmic viscosity steps is linear in C; B and K follow.
+
+    >>> K, B, C = vogel_constants([0.06, 0.02, 0.009], [313.15, 343.15, 373.15])
+    >>> print(f"{K * np.exp(B / (70.0 + C)):.4f} Pa s")
+    0.0200 Pa s
     """
     cold, warm, hot = np.asarray(temperatures) - ZERO_CELSIUS
     thick, medium, thin = viscosities
@@ -169,6 +178,10 @@ def thinning(law: Thinning, shear_rate: Any, temperature: Any) -> tuple[Any, Any
     """Return mu/mu_0 [-] and its derivative [s], Eqs. (O7) to (O9).
 
     Shear rate [1/s], temperature [K]; the law is not none.
+
+    >>> cross = Thinning(SHEAR_THINNING_LAWS.cross_1965, 0.74, 1.0, 6.0, 0.0)
+    >>> print(f"{thinning(cross, 1e6, 373.15)[0]:.2f}")
+    0.87
     """
     critical = _critical_shear_rate(law, temperature)
     ratio = shear_rate / critical
@@ -221,6 +234,10 @@ class Oil:
     """Oil by its laws and their constants.
 
     Each constant is declared here, once: unit, default, range and meaning.
+
+    >>> oil = Oil(viscosity_law="two_point", viscosity_40=0.06, viscosity_100=0.009)
+    >>> print(f"{oil.low_shear_viscosity(343.15):.4f} Pa s")
+    0.0198 Pa s
     """
 
     viscosity_law: str = choice(VISCOSITY_LAWS._fields)

@@ -212,13 +212,13 @@ def _pressure_below(law, reduced):
 
 
 @compiled
-def _read(table, given, wanted, x):
+def _read(table, known, wanted, x):
     """Cubic Hermite interpolation between nodes, straight below the first one."""
     low = 0
     high = table.shape[1] - 1
     while high - low > 1:
         middle = (low + high) // 2
-        if table[given, middle] <= x:
+        if table[known, middle] <= x:
             low = middle
         else:
             high = middle
@@ -228,8 +228,8 @@ def _read(table, given, wanted, x):
     if wanted == ROW.reduced:
         m0 = 1.0 / m0
         m1 = 1.0 / m1
-    step = table[given, high] - table[given, low]
-    t = (x - table[given, low]) / step
+    step = table[known, high] - table[known, low]
+    t = (x - table[known, low]) / step
     rise = table[wanted, high] - table[wanted, low]
     m0 *= step
     m1 *= step

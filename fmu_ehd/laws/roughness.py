@@ -148,7 +148,11 @@ class Factor(NamedTuple):
 
 @compiled
 def average_gap(separation: float):
-    """Average gap of Gaussian surfaces over sigma, Eq. (R1), for Lambda of any sign [-]."""
+    """Average gap of Gaussian surfaces over sigma, Eq. (R1), for Lambda of any sign [-].
+
+    >>> print(f"{average_gap(0.0).value:.4f} {average_gap(3.0).value:.4f}")
+    0.3989 3.0004
+    """
     share = 0.5 * (1.0 + erf(separation / np.sqrt(2.0)))
     tail = np.exp(-separation * separation / 2.0) / np.sqrt(2.0 * np.pi)
     return Factor(separation * share + tail, share)  # Eq. (R1)
@@ -220,6 +224,9 @@ def pressure_flow_factor(separation: float, gamma: float):
     """Return the pressure flow factor phi_x along sliding, Eq. (R2).
 
     Lambda [-], Peklenik number gamma from 1/9 to 9.
+
+    >>> print(f"{pressure_flow_factor(3.0, 1.0).value:.3f}")
+    0.832
     """
     k, weight = _place(gamma)
     low = _pressure_flow(COEFFICIENTS[k], separation)
@@ -228,7 +235,11 @@ def pressure_flow_factor(separation: float, gamma: float):
 
 @compiled
 def shear_flow_factor(separation: float, gamma: float):
-    """Shear flow factor Phi_s of one rough surface, Eq. (R3), 0 in overlap."""
+    """Shear flow factor Phi_s of one rough surface, Eq. (R3), 0 in overlap.
+
+    >>> print(f"{shear_flow_factor(3.0, 1.0).value:.3f}")
+    0.553
+    """
     k, weight = _place(gamma)
     low = _shear_flow(COEFFICIENTS[k], separation)
     return _between(low, _shear_flow(COEFFICIENTS[k + 1], separation), weight)

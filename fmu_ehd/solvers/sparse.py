@@ -53,14 +53,14 @@ class FivePointPattern:
         inside = np.ones((5, *shape), dtype=bool)
         inside[SOUTH, :, 0] = False  # no neighbour south of the first station
         inside[NORTH, :, -1] = False  # and none north of the last one
-        kept = np.flatnonzero(inside)
-        rows = np.broadcast_to(cell, neighbours.shape).ravel()[kept]
-        columns = neighbours.ravel()[kept]
+        entries = np.flatnonzero(inside)
+        rows = np.broadcast_to(cell, neighbours.shape).ravel()[entries]
+        columns = neighbours.ravel()[entries]
         self._kind = csr_matrix if by_rows else csc_matrix
         numbers = np.arange(1.0, rows.size + 1.0)
         numbered = self._kind((numbers, (rows, columns)), shape=(cell.size, cell.size))
         numbered.sort_indices()
-        self._order = kept[numbered.data.astype(np.int64) - 1]
+        self._order = entries[numbered.data.astype(np.int64) - 1]
         self._indices = numbered.indices
         self._indptr = numbered.indptr
         self._size = cell.size

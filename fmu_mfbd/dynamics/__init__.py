@@ -1,18 +1,10 @@
 """Motion.
 
-slider_crank       rigid crank and rod (K)
-piston_motion      coordinates and load of the piston
 system             bodies, mechanism and films together
 skirt_films        all films of the skirt
 instant            all of it at one instant, compiled
 response           its derivative
-modal_damping      springs and dampers of modes (I)
-floating_frame     integrals of a flexible body
-pin_friction       between piston and pin
-generalised_alpha  time integration
-bdf2               that of a pin on films, and of the modes that hold it
 first_steps        how it begins
-impact             what it may remember of a step that stopped the piston
 energy             what a step gave the bodies
 account            what they took from the film over it
 state              what a step starts from
@@ -20,7 +12,6 @@ step               a step and its derivatives, for both FMUs
 model              one step after the other
 pin_shells         where a floating pin is in its shells
 pin_films          all films of pin and crank
-elimination        small systems of linear equations (N)
 pin_axis           a pin that tilts and bends in its films
 pin_outputs        scalar outputs of a floating pin and of films of the crank
 motion_in_space    equations of motion of a rigid piston out of the plane as well (K, D)

@@ -21,7 +21,7 @@ class EnergyAccount(NamedTuple):
 @compilable
 def account(
     kinetic: tuple[float, float],
-    way: np.ndarray,
+    travel: np.ndarray,
     others: tuple[np.ndarray, np.ndarray],
     axial_work: float,
 ) -> EnergyAccount:
@@ -42,7 +42,7 @@ def account(
     ----------
     kinetic : (float, float)
         T_0, T_1 [J].
-    way : ndarray, shape (n,)
+    travel : ndarray, shape (n,)
         q_1 - q_0.
     others : (ndarray, ndarray)
         O_0, O_1, shape (n,).
@@ -55,6 +55,6 @@ def account(
     """
     before, after = kinetic
     begun, ended = others
-    gain = after - before - float(way @ (begun + ended)) / 2 + axial_work  # Eq. (D14)
-    turned = float(np.abs(way) @ (np.abs(begun) + np.abs(ended))) / 2
+    gain = after - before - float(travel @ (begun + ended)) / 2 + axial_work  # Eq. (D14)
+    turned = float(np.abs(travel) @ (np.abs(begun) + np.abs(ended))) / 2
     return EnergyAccount(gain, max(before, after), turned)  # Eq. (D16)

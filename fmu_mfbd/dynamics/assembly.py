@@ -24,23 +24,23 @@ from ..geometry.surfaces import (
     with_room,
 )
 from ..mechanism.cylinder import EYE, CylinderParts, cylinder_chain, integrators, motion_across
+from ..mechanism.floating_frame import FlexibleBody
+from ..mechanism.modal_damping import ModalSprings, moving_modes
+from ..mechanism.pin_friction import PinFriction
+from ..mechanism.slider_crank import Mechanism
 from ..reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, ReducedShell, load
 from .bore_from_outside import outside_bore
 from .build_options import BuildOptions
 from .clearance import machined, surfaces
 from .contradictions import Fit, pin_radius
 from .element_laws import cylinder_laws, free_slides
-from .floating_frame import FlexibleBody
 from .gas_on_bore import BoreWall, bore_wall
 from .half_films import half_films, is_halved
-from .modal_damping import ModalSprings, moving_modes
 from .model import PistonInBore
 from .motion_in_space import SpaceBodies, SpaceBody, Stop, without_piston
 from .parameters import Parameters, Settings, SpaceParameters, settings_of
 from .pin_axis import pin_beam, pin_rows, pin_span, pin_surfaces, put_beam
 from .pin_films import damp_modes
-from .pin_friction import PinFriction
-from .slider_crank import Mechanism
 from .space_model import PistonInSpace
 from .speed_table import SpeedTable
 from .step import BodyModel
@@ -209,23 +209,23 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     others = np.concatenate((setup.block_omega, omega, omega, setup.shell_omega))
     block = len(setup.block_omega)
     cylinder = CylinderParts(
-        setup.piston,
-        moving_modes(setup.piston_omega, p.quasi_static_frequency),
-        mechanism(fit.piston_radius, fit.pin_offset, p),
-        p.pin_inertia if p.pin_inertia > 0.0 else spin,
-        p.crank_mass,
-        p.crank_unbalance,
-        fit.floats,
-        fit.has_big_end,
-        fit.has_main_bearing,
-        ModalSprings(others * others, np.zeros(len(others))),
-        block,
-        block - moving_modes(setup.block_omega, p.quasi_static_frequency),
-        len(omega),
-        setup.big_end_modes,
-        setup.main_bearing_modes,
-        cylinder_laws(p, setup.slides),
-        free_slides(setup.slides),
+        piston=setup.piston,
+        moving=moving_modes(setup.piston_omega, p.quasi_static_frequency),
+        mechanism=mechanism(fit.piston_radius, fit.pin_offset, p),
+        spin_inertia=p.pin_inertia if p.pin_inertia > 0.0 else spin,
+        crank_mass=p.crank_mass,
+        unbalance=p.crank_unbalance,
+        floats=fit.floats,
+        big_end=fit.has_big_end,
+        main_bearing=fit.has_main_bearing,
+        springs=ModalSprings(others * others, np.zeros(len(others))),
+        block_modes=block,
+        block_static=block - moving_modes(setup.block_omega, p.quasi_static_frequency),
+        shapes=len(omega),
+        big_end_modes=setup.big_end_modes,
+        main_bearing_modes=setup.main_bearing_modes,
+        laws=cylinder_laws(p, setup.slides),
+        slides=free_slides(setup.slides),
     )
     chain = cylinder_chain(cylinder)
     kinds = integrators(cylinder, chain)
@@ -235,29 +235,38 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     radii = free_radii(setup.radii, len(surface_at(cold_films, 0).skirt.temperature) > 0, p)
     hot_films = machined(cold_films, fit, p, radii)
     parts = BodySystem(
-        chain,
-        kinds,
-        motion_across(cylinder, 0.0),
-        motion_across(cylinder, 1.0),
-        shapes,
-        cylinder.mechanism,
-        hot_films,
-        films,
-        fit.pin_offset,
-        setup.gas_force,
-        BoreWall(
-            wall.lowest,
-            wall.spacing,
-            wall.above,
-            wall.at,
-            p.top_ring_height,
-            p.second_ring_height,
-            p.land_pressure_share,
+        chain=chain,
+        kinds=kinds,
+        inertia=motion_across(cylinder, 0.0),
+        with_rod=motion_across(cylinder, 1.0),
+        shapes=shapes,
+        mechanism=cylinder.mechanism,
+        surfaces=hot_films,
+        pin_surfaces=films,
+        pin_offset=fit.pin_offset,
+        gas_force=setup.gas_force,
+        wall=BoreWall(
+            lowest=wall.lowest,
+            spacing=wall.spacing,
+            above=wall.above,
+            at=wall.at,
+            top_ring=p.top_ring_height,
+            second_ring=p.second_ring_height,
+            land_share=p.land_pressure_share,
         ),
-        p.impact_resolution,
+        resolution=p.impact_resolution,
     )
     cold = cold_walls(hot_films, (setup.skirt_field, setup.bore_field), setup.bore_rule)
-    return BodyModel(parts, p, setup.gas, setup.gas_area, setup.speed, setup.mounted, radii, cold)
+    return BodyModel(
+        parts=parts,
+        settings=p,
+        gas=setup.gas,
+        gas_area=setup.gas_area,
+        speed=setup.speed,
+        mounted=setup.mounted,
+        radii=radii,
+        cold=cold,
+    )
 
 
 @compilable
@@ -277,7 +286,14 @@ def pin_films(setup: BodySetup, p: Settings) -> np.ndarray:
         one = pin_surface_at(out, k)
         for j in range(len(one.clearance)):
             one.clearance[j] = clearance
-        turned = PinSurface(one.outward, one.onward, radius, one.clearance, one.modes, one.axis)
+        turned = PinSurface(
+            outward=one.outward,
+            onward=one.onward,
+            radius=radius,
+            clearance=one.clearance,
+            modes=one.modes,
+            axis=one.axis,
+        )
         put_pin_surface(row_at(out, k), turned)
     return out
 
@@ -350,22 +366,22 @@ def fit_of(bodies: ReducedBodies, options: BuildOptions, radii: Mapping[str, flo
     piston, block, bosses, _ = bodies
     films, pin = options.crank_surfaces(), options.floating_pin
     return Fit(
-        piston.radius,
-        piston.skirt_lower,
-        piston.skirt_upper,
-        options.piston.pin_offset,
-        float(block.heights[0]),
-        float(block.heights[-1]),
-        bosses.boss_radius if bosses else 0.0,
-        radii.get("small_end", 0.0),
-        radii.get("big_end", 0.0),
-        radii.get("main_bearing", 0.0),
-        pin_span(pin, bosses) if pin and pin.pin_shapes else 0.0,
-        options.speed is not None,
-        options.floating_pin is not None,
-        "big_end" in films,
-        "main_bearing" in films,
-        options.symmetric_film,
+        piston_radius=piston.radius,
+        skirt_lower=piston.skirt_lower,
+        skirt_upper=piston.skirt_upper,
+        pin_offset=options.piston.pin_offset,
+        bore_lower=float(block.heights[0]),
+        bore_upper=float(block.heights[-1]),
+        boss_radius=bosses.boss_radius if bosses else 0.0,
+        eye_radius=radii.get("small_end", 0.0),
+        big_end_shell=radii.get("big_end", 0.0),
+        main_bearing_shell=radii.get("main_bearing", 0.0),
+        pin_span=pin_span(pin, bosses) if pin and pin.pin_shapes else 0.0,
+        has_speed=options.speed is not None,
+        floats=options.floating_pin is not None,
+        has_big_end="big_end" in films,
+        has_main_bearing="main_bearing" in films,
+        symmetric_film=options.symmetric_film,
     )
 
 

@@ -67,7 +67,7 @@ class YieldingShell:
 
     def on_support(self, forces: PinForces, coordinates: np.ndarray) -> SupportLoad:
         """Return the load on the support, opposite to that on the journal (Eqs. (G3), (G5))."""
-        found = resultants_on(self.surface, forces, np.zeros(2), np.eye(2))
-        moment = found.on_shell - shell_pushes(self.surface, forces)[1] @ coordinates
-        x, y = found.force
+        resultants = resultants_on(self.surface, forces, np.zeros(2), np.eye(2))
+        moment = resultants.on_shell - shell_pushes(self.surface, forces)[1] @ coordinates
+        x, y = resultants.force
         return SupportLoad(-x, -y, float(moment))

@@ -10,8 +10,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from .floating_frame import TURN, X, Y
-from .piston_motion import Load
+from ..mechanism.floating_frame import TURN, X, Y
+from ..mechanism.piston_motion import Load
 
 
 class BlockForce(NamedTuple):

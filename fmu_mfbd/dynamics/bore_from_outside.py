@@ -83,8 +83,8 @@ def outside_bore(
     )
 
 
-def periodic_rule(given: int, wanted: int) -> np.ndarray:
-    """Return the matrix from values at `given` angles to those at `wanted` ones, (wanted, given).
+def periodic_rule(angles: int, wanted: int) -> np.ndarray:
+    """Return the matrix from values at `angles` angles to those at `wanted` ones, (wanted, angles).
 
     Both are angles of `cell_centres`. It is the periodic cubic spline through all values.
 
@@ -92,9 +92,9 @@ def periodic_rule(given: int, wanted: int) -> np.ndarray:
     """
     from scipy.interpolate import CubicSpline  # slow to import, and few bores are from outside
 
-    at, _ = cell_centres(given, 1, 0.0, 1.0)
+    at, _ = cell_centres(angles, 1, 0.0, 1.0)
     to, _ = cell_centres(wanted, 1, 0.0, 1.0)
-    values = np.eye(given)[np.arange(given + 1) % given]
+    values = np.eye(angles)[np.arange(angles + 1) % angles]
     closed = np.append(at, at[0] + 2 * np.pi)
     return CubicSpline(closed, values, bc_type="periodic")(to)  # Eq. (H22)
 
@@ -107,17 +107,17 @@ def deflected(system: BodySystem, bore: OutsideBore, field: np.ndarray) -> BodyS
     return system._replace(surfaces=surfaces)
 
 
-def seen(
-    bore: OutsideBore, surfaces: Sequence[FilmSurface], guided: float, field: np.ndarray
+def opening_changes(
+    bore: OutsideBore, surfaces: Sequence[FilmSurface], guide_height: float, field: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the change of thickness and slope of all films with a field (n, s) on the bore.
 
-    Both are stacked, (cells,) [m], [-]. The bore is read at the height `guided` [m].
+    Both are stacked, (cells,) [m], [-]. The bore is read at the height `guide_height` [m].
     """
     knots = bore.knots(field)
     parts = []
     for surface in surfaces:
-        window = window_of(surface, guided)
+        window = window_of(surface, guide_height)
         below = knots[window.first : window.first + window.knots]
         weights = window.value, window.slope
         parts.append([by_rows(on_rows(window, one, below)).ravel() for one in weights])
@@ -126,7 +126,10 @@ def seen(
 
 
 def film_on_bore(
-    bore: OutsideBore, surfaces: Sequence[FilmSurface], guided: float, pressure_force: np.ndarray
+    bore: OutsideBore,
+    surfaces: Sequence[FilmSurface],
+    guide_height: float,
+    pressure_force: np.ndarray,
 ) -> np.ndarray:
     """Return the radial forces of all films on the bore's grid, (n, s) [N], outwards.
 
@@ -134,7 +137,7 @@ def film_on_bore(
     ----------
     bore : OutsideBore
     surfaces : sequence of FilmSurface
-    guided : float
+    guide_height : float
         Height at which the bore is read [m].
     pressure_force : ndarray, shape (cells,)
         Of all surfaces, stacked [N].
@@ -143,7 +146,7 @@ def film_on_bore(
     on_all = np.zeros((knots, angles))
     begin = 0
     for surface in surfaces:
-        window = window_of(surface, guided)
+        window = window_of(surface, guide_height)
         size = surface.skirt.gap.size
         push = pressure_force[begin : begin + size].reshape(surface.skirt.gap.shape)
         on_all[window.first : window.first + window.knots] += on_knots(
@@ -153,11 +156,11 @@ def film_on_bore(
     return bore.transpose(on_all)
 
 
-def gas_on_wall(bore: OutsideBore, guided: float, pressures: WallPressures) -> np.ndarray:
+def gas_on_wall(bore: OutsideBore, guide_height: float, pressures: WallPressures) -> np.ndarray:
     """Return the radial forces of gas on the bore's grid, (n, s) [N], constant around.
 
     Eq. (H23):  F_ij = f_j/n,   f_j of Eq. (D18) for a deflection of height j alone
     """
     angles = bore.around.shape[1]
-    by_height = wall_forces(bore.wall, guided, pressures)
+    by_height = wall_forces(bore.wall, guide_height, pressures)
     return np.tile(by_height / angles, (angles, 1))  # Eq. (H23)

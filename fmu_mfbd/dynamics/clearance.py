@@ -50,15 +50,15 @@ def surfaces(
     return tuple(
         FilmSurface(
             Skirt(
-                angle,
-                height[rows],
-                np.ascontiguousarray(gap[:, rows]),
-                block.radius,
-                options.piston.pin_offset,
-                modal_field(radial[:, rows], classes),
-                modal_field(axial[:, rows], classes),
-                np.arange(len(angle), dtype=float),
-                np.ascontiguousarray(warm[:, rows]),
+                angle=angle,
+                height=height[rows],
+                gap=np.ascontiguousarray(gap[:, rows]),
+                radius=block.radius,
+                pin_offset=options.piston.pin_offset,
+                radial=modal_field(radial[:, rows], classes),
+                axial=modal_field(axial[:, rows], classes),
+                rows=np.arange(len(angle), dtype=float),
+                temperature=np.ascontiguousarray(warm[:, rows]),
             ),
             one_bore,
         )

@@ -148,13 +148,13 @@ def check_pin(fit: Fit, p: Settings, faults: np.ndarray) -> None:
     refuse_beside(faults, FAULT.not_of_bosses, radius, fit.boss_radius)
     if p.pin_mass == 0.0:
         refuse(faults, FAULT.no_pin_mass, 0.0, 0.0, 0.0, 0.0, 0.0)
-    for number, given, usual in (
+    for number, value, usual in (
         (FAULT.friction_of_pin, p.pin_friction_coefficient, USUAL_FRICTION),
         (FAULT.friction_speed, p.pin_friction_speed, USUAL_SPEED),
         (FAULT.friction_damping, p.pin_friction_damping, USUAL_DAMPING),
     ):
-        if given != 0.0 and given != usual:
-            refuse(faults, number, 0.0, 0.0, given, 0.0, 0.0)
+        if value != 0.0 and value != usual:
+            refuse(faults, number, 0.0, 0.0, value, 0.0, 0.0)
     refuse_beside(faults, FAULT.not_of_eye, radius, fit.eye_radius)
     if fit.pin_span > 0.0 and p.pin_bore_radius >= radius:
         refuse(faults, FAULT.bore_of_pin, 0.0, 0.0, 1e3 * p.pin_bore_radius, 1e3 * radius, 0.0)
@@ -191,5 +191,5 @@ def pin_height(turn, offset, crank_radius, rod_length):
 @compilable
 def pin_radius(skirt_radius: float, parameters: Parameters | Settings) -> float:
     """Return the radius of the pin [m]."""
-    given = parameters.pin_radius
-    return given if given > 0.0 else PIN_SHARE * skirt_radius
+    radius = parameters.pin_radius
+    return radius if radius > 0.0 else PIN_SHARE * skirt_radius

@@ -10,10 +10,10 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.surfaces import count_of, surface_at
 from ..mechanism.chain import Bodies
+from ..mechanism.piston_motion import LATERAL, ROCKING
+from ..mechanism.slider_crank import side_force_demand
 from .account import EnergyAccount
 from .instant import Instant
-from .piston_motion import LATERAL, ROCKING
-from .slider_crank import side_force_demand
 from .system import BodySystem, StepProblem, rigid_piston
 
 
@@ -141,7 +141,7 @@ def scalars_of(
     per_second = 1.0 / step if step > 0.0 else 0.0
     torque, inertia = drive
     opening, warm_work = warm
-    lateral, rocking = now.kept.velocity[LATERAL], now.kept.velocity[ROCKING]
+    lateral, rocking = now.next_start.velocity[LATERAL], now.next_start.velocity[ROCKING]
     lower, upper = skirt_edges(system.surfaces)
     mass = rigid_piston(system).mass
     return Scalars(

@@ -74,5 +74,5 @@ def free_slides(slides: np.ndarray) -> FreeSlides:
         own = slides[k]
         out.acts[k] = ACTS[OF_SLIDE[own]]
         out.turns[k] = IN_BLOCK if REACTS[OF_SLIDE[own]] == BLOCK else IN_PARENT
-        out.way[k, 0], out.way[k, 1] = WAYS[own, 0], WAYS[own, 1]
+        out.direction[k, 0], out.direction[k, 1] = WAYS[own, 0], WAYS[own, 1]
     return out

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from ..mechanism.floating_frame import Arrow
+from ..mechanism.generalised_alpha import Motion
 from ..mechanism.solution import arrow_product
-from .floating_frame import Arrow
-from .generalised_alpha import Motion
 
 
 class EnergyLedger(NamedTuple):
@@ -38,7 +38,7 @@ class EnergyLedger(NamedTuple):
 @compiled
 def energy_ledger(
     before: Motion,
-    kept: Motion,
+    next_start: Motion,
     end: Motion,
     inertia: Arrow,
     with_rod: Arrow,
@@ -57,7 +57,7 @@ def energy_ledger(
 
     Parameters
     ----------
-    before, kept, end : Motion
+    before, next_start, end : Motion
         At the start; at the end, as the next step starts from it and as the equations hold.
     inertia, with_rod : Arrow
         M, without and with the rod.
@@ -68,22 +68,32 @@ def energy_ledger(
     """
     mean = (before.acceleration + end.acceleration) / 2
     along = arrow_product(with_rod, mean)
-    began, ended = arrow_product(with_rod, before.velocity), arrow_product(with_rod, kept.velocity)
-    alone = arrow_product(inertia, kept.velocity)
+    began, ended = (
+        arrow_product(with_rod, before.velocity),
+        arrow_product(with_rod, next_start.velocity),
+    )
+    alone = arrow_product(inertia, next_start.velocity)
     first = 0.0
     last = 0.0
     moving = 0.0
     by_forces = 0.0
     work = driven
     for k in range(len(push)):
-        way = end.position[k] - before.position[k]
-        work += push[k] * way  # Eq. (D11)
-        by_forces += way * along[k]
+        travel = end.position[k] - before.position[k]
+        work += push[k] * travel  # Eq. (D11)
+        by_forces += travel * along[k]
         first += before.velocity[k] * began[k]
-        last += kept.velocity[k] * ended[k]
-        moving += kept.velocity[k] * alone[k]
+        last += next_start.velocity[k] * ended[k]
+        moving += next_start.velocity[k] * alone[k]
     error = (last - first) / 2 - by_forces  # Eq. (D10)
-    return EnergyLedger(moving / 2, elastic, work, error, driven, last / 2)
+    return EnergyLedger(
+        kinetic=moving / 2,
+        elastic=elastic,
+        film_work=work,
+        error=error,
+        axial_work=driven,
+        accounted=last / 2,
+    )
 
 
 @compiled

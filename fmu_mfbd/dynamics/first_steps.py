@@ -6,7 +6,7 @@ References
 """
 
 from ...master.fmi.compiled import compilable
-from .generalised_alpha import Coefficients
+from ..mechanism.generalised_alpha import Coefficients
 
 FIRST_STEPS = 2
 """Steps of backward Euler at the start."""

@@ -125,14 +125,14 @@ def odd_start(start: StartState | None, bodies: Sequence[ReducedBody], around: i
     count = sum(len(body.omega) for body in bodies)
     if start is None or {len(start.modal_coordinate), len(start.modal_velocity)} != {count}:
         return 0.0
-    found, first = 0.0, 0
+    largest, first = 0.0, 0
     for body in bodies:
         own = slice(first, first + len(body.omega))
         first = own.stop
         shapes = odd_part(on_cells(body, around))
         for amplitude in (start.modal_coordinate[own], start.modal_velocity[own] / body.omega):
-            found = max(found, float(np.abs(shapes @ amplitude).max(initial=0.0)))
-    return found if found > ODD_SHAPE else 0.0
+            largest = max(largest, float(np.abs(shapes @ amplitude).max(initial=0.0)))
+    return largest if largest > ODD_SHAPE else 0.0
 
 
 def on_cells(body: ReducedBody, around: int) -> np.ndarray:

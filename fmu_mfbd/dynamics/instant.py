@@ -10,24 +10,24 @@ import numpy as np
 from ...master.fmi.compiled import compilable, compiled
 from ..geometry.film import FilmForces, NodalForces
 from ..geometry.pin import PinForces
+from ..mechanism.bdf2 import STATIC, auxiliary_after, limit_plays, predicted_of, reach_of
 from ..mechanism.chain import BLOCK, Chain, Loads
 from ..mechanism.cylinder import BODY, EYE, film_of, floats, piston_of
 from ..mechanism.equations import friction_at
+from ..mechanism.floating_frame import TURN, X, Y
+from ..mechanism.generalised_alpha import Motion
+from ..mechanism.impact import limit_memory, longest_step
 from ..mechanism.laws import between, from_block, law_power
 from ..mechanism.loads import MOMENT, REACTION
+from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING, Load
+from ..mechanism.slider_crank import height
 from ..mechanism.solution import Linearisation, solve_motion
-from .bdf2 import STATIC, auxiliary_after, limit_plays, predicted_of, reach_of
 from .block_force import BlockForce, block_force
 from .energy import EnergyLedger, energy_ledger, other_forces
-from .floating_frame import TURN, X, Y
 from .gas_on_bore import wall_forces
-from .generalised_alpha import Motion
-from .impact import limit_memory, longest_step
-from .pin_films import film_pushes, held_forces, pin_films
+from .pin_films import applied_forces, film_pushes, pin_films
 from .pin_outputs import pin_scalars
-from .piston_motion import LATERAL, RIGID, ROCKING, Load
-from .skirt_films import AxialMotion, SkirtFilms, forces_by_film, skirt_films, together
-from .slider_crank import height
+from .skirt_films import AxialMotion, SkirtFilms, forces_by_film, skirt_films, total_forces
 from .system import BodySystem, OtherForces, StepProblem, rigid_piston, skirt_modes
 
 
@@ -38,7 +38,7 @@ class Instant(NamedTuple):
     ----------
     end : Motion
         Of all coordinates as of `mechanism.cylinder`, and derivatives in time.
-    kept : Motion
+    next_start : Motion
         What the next step starts from: `end` except after an impact (Eq. (N7)).
     auxiliary : ndarray, shape (n,)
         The time integrator's auxiliary acceleration.
@@ -47,8 +47,8 @@ class Instant(NamedTuple):
     other_forces : ndarray, shape (n,)
         All but the film's and the rod's inertia, on the motion across the bore.
     next_other_forces : ndarray, shape (n,)
-        The same with the acceleration of `kept`: what acts at the start of the next step.
-    guided : float
+        The same with the acceleration of `next_start`: what acts at the start of the next step.
+    guide_height : float
         Height at which the bore is read: that of A when x_A = 0 [m].
     side_force : float
         Of the piston on the bore through all films [N].
@@ -78,12 +78,12 @@ class Instant(NamedTuple):
     """
 
     end: Motion
-    kept: Motion
+    next_start: Motion
     auxiliary: np.ndarray
     ledger: EnergyLedger
     other_forces: np.ndarray
     next_other_forces: np.ndarray
-    guided: float
+    guide_height: float
     side_force: float
     films: SkirtFilms
     axial: AxialMotion
@@ -128,32 +128,34 @@ def end_of_step(
     c, before, auxiliary, mean_velocity, crank, others = step
     chain = of.chain
     upright = height(of.mechanism, 0.0, crank.angle)
-    guided = AxialMotion(upright.height, upright.lever * crank.speed)
-    parts = forces_by_film(of, guided.height, skirt_forces)
-    skirt = together(parts)
+    guide = AxialMotion(upright.height, upright.lever * crank.speed)
+    parts = forces_by_film(of, guide.height, skirt_forces)
+    skirt = total_forces(parts)
     load = load_of(of, skirt, others)
     pushes = film_pushes(of, forces)
-    held = held_forces(of, load, forces, pushes)
-    by_gas = gas_on_modes(of, guided.height, others)
+    applied = applied_forces(of, load, forces, pushes)
+    by_gas = gas_on_modes(of, guide.height, others)
     for k in range(len(by_gas)):
-        held.modal[k] += by_gas[k]
+        applied.modal[k] += by_gas[k]
     predicted = predicted_of(c, before, auxiliary, mean_velocity, of.kinds)
     by = reach_of(c, of.kinds)
-    solution = solve_motion(chain, held, predicted, before.acceleration, by, crank, others.carrier)
+    solution = solve_motion(
+        chain, applied, predicted, before.acceleration, by, crank, others.carrier
+    )
     end, loads, own = solution.now, solution.loads, solution.linear.forces
     at = own.motion
     carried = auxiliary_after(c, predicted, before, end, of.kinds)
-    kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
+    next_start = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
     piston = rigid_piston(of)
-    longest = longest_step(piston, before, kept, carried, c.step, of.resolution)
-    limit_memory(piston, before, kept, carried, c.step)
-    limit_plays(chain.elements.play, before, kept, carried, c.step)
+    longest = longest_step(piston, before, next_start, carried, c.step, of.resolution)
+    limit_memory(piston, before, next_start, carried, c.step)
+    limit_plays(chain.elements.play, before, next_start, carried, c.step)
 
     last = piston_of(chain)
     axial = AxialMotion(at.position[last, Y], at.velocity[last, Y])
     on_skirt = skirt_films(
         of,
-        guided,
+        guide,
         skirt_forces,
         parts,
         axial.velocity,
@@ -161,24 +163,24 @@ def end_of_step(
         of_skirt(of, end.velocity),
     )
     on_pins = pin_films(of, forces, pushes, loads, at, end)
-    driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guided.velocity + on_pins.driven
+    driven = skirt.axial * axial.velocity + on_skirt.on_slopes * guide.velocity + on_pins.driven
     for k in range(len(by_gas)):
         loads.modal[k] -= by_gas[k]
     push = coordinate_forces(chain, loads, skirt)
     on_pin, rubbing_power = _pin_force(of, loads, own, on_pins.friction_power)
-    elastic, inertia = elastic_energy(of, kept.position), (of.inertia, of.with_rod)
-    ledger = energy_ledger(before, kept, end, *inertia, push, c.step * driven, elastic)
+    elastic, inertia = elastic_energy(of, next_start.position), (of.inertia, of.with_rod)
+    ledger = energy_ledger(before, next_start, end, *inertia, push, c.step * driven, elastic)
     by_laws = 0.0
     if len(chain.laws.kind) > 0:
         by_laws = law_power(chain, at, loads)
     return Instant(
         end=end,
-        kept=kept,
+        next_start=next_start,
         auxiliary=carried,
         ledger=ledger,
         other_forces=other_forces(of.with_rod, end.acceleration, push),
-        next_other_forces=other_forces(of.with_rod, kept.acceleration, push),
-        guided=guided.height,
+        next_other_forces=other_forces(of.with_rod, next_start.acceleration, push),
+        guide_height=guide.height,
         side_force=-skirt.push[LATERAL],
         films=on_skirt,
         axial=axial,
@@ -195,7 +197,7 @@ def end_of_step(
         pin_film_thickness=on_pins.film_thickness,
         circumferential_velocity=on_pins.circumferential_velocity,
         pin_work_error=on_pins.work_error,
-        pin_scalars=pin_scalars(of, kept, loads, on_pins.widening, on_skirt.on_slopes),
+        pin_scalars=pin_scalars(of, next_start, loads, on_pins.widening, on_skirt.on_slopes),
         linear=solution.linear,
         on_block=_on_block(chain, load, loads, own.on_block, on_skirt.on_slopes, upright.lever),
     )
@@ -293,23 +295,23 @@ def load_of(system: BodySystem, films: FilmForces, others: OtherForces) -> Load:
     the crown alone, those of the block the film and the gas on the wall (Eq. (D18)).
     """
     rings = others.rings
-    guided = others.gas - rings.axial
+    axis_force = others.gas - rings.axial
     return Load(
         films.push[LATERAL] + rings.lateral,
-        films.axial - guided,
-        films.push[ROCKING] + system.pin_offset * guided + rings.moment,  # Eq. (D8)
-        guided,
+        films.axial - axis_force,
+        films.push[ROCKING] + system.pin_offset * axis_force + rings.moment,  # Eq. (D8)
+        axis_force,
         films.push[RIGID:],
     )
 
 
 @compilable
-def gas_on_modes(system: BodySystem, guided: float, others: OtherForces) -> np.ndarray:
+def gas_on_modes(system: BodySystem, guide_height: float, others: OtherForces) -> np.ndarray:
     """Return the forces of gas on the modes of piston and block [kg^-1/2 N].
 
-    `guided` is the height at which the bore is read [m].
+    `guide_height` is the height at which the bore is read [m].
     """
-    wall = wall_forces(system.wall, guided, others.wall)
+    wall = wall_forces(system.wall, guide_height, others.wall)
     return np.concatenate((others.gas * system.gas_force, wall))
 
 

@@ -11,19 +11,19 @@ from ...master.fmi.noted import none_yet, sentences_of
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import each_of, each_pin_of
-from .bdf2 import STATIC
-from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, seen
+from ..mechanism.bdf2 import STATIC
+from ..mechanism.carrier import FIXED, Carrier
+from ..mechanism.generalised_alpha import Coefficients, coefficients
+from ..mechanism.piston_motion import LATERAL, ROCKING
+from ..mechanism.slider_crank import CrankMotion, height
+from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, opening_changes
 from .build_options import BuildOptions, FilmGrid
-from .carrier import FIXED, Carrier
 from .contradictions import FAULTS
-from .generalised_alpha import Coefficients, coefficients
 from .half_films import check_even, check_half, is_half
 from .instant import Instant, of_bearings, slides_at
 from .parameters import REFERENCE, Damping
 from .pin_outputs import PIN_NAMES
-from .piston_motion import LATERAL, ROCKING
 from .response import Response
-from .slider_crank import CrankMotion, height
 from .state import PistonState, problem_of, step_coefficients
 from .step import (
     START_PASSES,
@@ -269,29 +269,29 @@ class PistonInBore:
     ) -> tuple[PistonState, dict]:
         """Return state and outputs that solve the equations of motion a step after `before`."""
         self._reject_unused(inputs)
-        given = stacked(inputs)
+        step_inputs = stacked(inputs)
         model = self.model
         walls = self.system.surfaces, model.cold, model.radii, model.settings
-        warm_walls(*walls, given.fields)
-        others = others_at(self.model, given, crank)
+        warm_walls(*walls, step_inputs.fields)
+        others = others_at(self.model, step_inputs, crank)
         step = problem_of(c, before, crank, others)
-        now = self._instant(step, given, inputs)
+        now = self._instant(step, step_inputs, inputs)
         if not now.evaluations:
             raise MotionNotSolved(
                 f"piston motion at crank angle {crank.angle:.6g} rad: Newton's method finds no "
                 f"accelerations; their last relative change is {now.change:.3g} (nan: diverged)"
             )
-        if odd := self.odd_forces(given):
+        if odd := self.odd_forces(step_inputs):
             raise MotionNotSolved("; ".join(odd))
         self.residual_evaluations += now.evaluations
         self.jacobian_evaluations += now.tangents
-        result = result_of(self.model, before, step, time, now, given)
-        self._last, self._pressure = result.last, given.skirt.pressure
+        result = result_of(self.model, before, step, time, now, step_inputs)
+        self._last, self._pressure = result.last, step_inputs.skirt.pressure
         outputs = self._outputs(result)
         if self.outside:
             on_bore = self._film_on_bore(self.outside, inputs.pressure_force)
             outputs |= {
-                "force_on_bore": on_bore + gas_on_wall(self.outside, now.guided, others.wall),
+                "force_on_bore": on_bore + gas_on_wall(self.outside, now.guide_height, others.wall),
                 "force_on_deck": others.gas,
             }
         return result.state, outputs
@@ -307,12 +307,12 @@ class PistonInBore:
         check_half(self.system.surfaces, self.model.settings, noted)
         return sentences_of(noted, FAULTS)
 
-    def odd_forces(self, given: StepInputs) -> list[str]:
+    def odd_forces(self, inputs: StepInputs) -> list[str]:
         """Return faults of forces on half films that are not their own mirror image."""
         if not self.has_half_films:
             return []
         noted = none_yet()
-        check_even(self.system.surfaces, given.skirt, noted)
+        check_even(self.system.surfaces, inputs.skirt, noted)
         return sentences_of(noted, FAULTS)
 
     def _reject_unused(self, inputs: Inputs) -> None:
@@ -328,27 +328,27 @@ class PistonInBore:
         if faults:
             raise ValueError("\n".join(faults))
 
-    def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> Instant:
+    def _instant(self, step: StepProblem, step_inputs: StepInputs, inputs: Inputs) -> Instant:
         """Return everything at the end of a step."""
         self._deflected = self.model
         if self.outside:
             wider = deflected(self.system, self.outside, inputs.bore_deflection)
             self._deflected = self.model._replace(parts=wider)
-        return instant_of(self._deflected, step, given)
+        return instant_of(self._deflected, step, step_inputs)
 
     def _film_on_bore(self, outside: OutsideBore, pressure_force: np.ndarray) -> np.ndarray:
         """Return the forces of all films on the bore's grid at the end of the last step [N]."""
-        surfaces, guided = self.film_surfaces, self._last.guided
-        return film_on_bore(outside, surfaces, guided, np.ravel(pressure_force))
+        surfaces, guide_height = self.film_surfaces, self._last.guide_height
+        return film_on_bore(outside, surfaces, guide_height, np.ravel(pressure_force))
 
     def _taken_by_bore(self, outside: OutsideBore, before: PistonState, inputs: Inputs) -> float:
         """Return the energy that a bore deflected from outside took from the films in a step [J].
 
         Eq. (D50):  W = F_W . (w_1 - w_0),   as Eq. (D11), forces at the end along the way
         """
-        way = inputs.bore_deflection - before.bore_deflection
+        travel = inputs.bore_deflection - before.bore_deflection
         force = self._film_on_bore(outside, inputs.pressure_force)
-        return float(np.sum(force * way))  # Eq. (D50)
+        return float(np.sum(force * travel))  # Eq. (D50)
 
     def _outputs(self, result: StepResult) -> dict[str, Any]:
         """Return all outputs by name; `variables.py` has their units."""
@@ -370,11 +370,11 @@ class PistonInBore:
         }
         if last > first:
             outputs["modal_coordinate"] = now.end.position[first:last].copy()
-            outputs["modal_velocity"] = now.kept.velocity[first:last].copy()
+            outputs["modal_velocity"] = now.next_start.velocity[first:last].copy()
         outputs |= zip(self.slides, slides_at(self.system, now.end.position, len(self.slides)))
         if self.pins or self.slides:
             outputs["bearing_coordinate"] = of_bearings(self.system, now.end.position)
-            outputs["bearing_velocity"] = of_bearings(self.system, now.kept.velocity)
+            outputs["bearing_velocity"] = of_bearings(self.system, now.next_start.velocity)
         of_pin = zip(PIN_NAMES, now.pin_scalars.tolist()) if self.pins else ()
         return outputs | {k: v for k, v in of_pin if not k.startswith(self.absent)}
 
@@ -407,9 +407,9 @@ class PistonInBore:
         dict of str to ndarray or float
             By output.
         """
-        given = Inputs(0.0, 0.0, pressure_force, friction_force, rings, pins=pins)
-        self._reject_unused(replace(given, carrier=Carrier(*carried)))
-        seeds = stacked(given)
+        seed_inputs = Inputs(0.0, 0.0, pressure_force, friction_force, rings, pins=pins)
+        self._reject_unused(replace(seed_inputs, carrier=Carrier(*carried)))
+        seeds = stacked(seed_inputs)
         change = self._response(seeds, carried)
         products = {
             **by_film(self.films, "film_thickness", change.film_thickness),
@@ -440,7 +440,7 @@ class PistonInBore:
         """
         assert self.outside
         surfaces, last = self.film_surfaces, self._last
-        wider, slopes = seen(self.outside, surfaces, last.guided, bore_deflection)
+        wider, slopes = opening_changes(self.outside, surfaces, last.guide_height, bore_deflection)
         change: dict[str, Any] = by_film(self.films, "film_thickness", wider)
         if self.model.mounted:
             lever = height(self.system.mechanism, 0.0, last.crank.angle).lever
@@ -466,16 +466,16 @@ def stacked(inputs: Inputs) -> StepInputs:
     none = [np.zeros(0)] * len(PinForces._fields)
     fields = ([np.ravel(one) for one in field] for field in zip(*inputs.pins))
     return StepInputs(
-        inputs.crank_speed,
-        inputs.load_torque,
-        inputs.gas_pressure,
-        inputs.crankcase_pressure,
-        inputs.land_pressure,
-        NodalForces(np.ravel(inputs.pressure_force), np.ravel(inputs.friction_force)),
-        PinForces(*map(np.concatenate, fields)) if inputs.pins else PinForces(*none),
-        inputs.rings,
-        inputs.carrier,
-        inputs.piston_temperature,
-        inputs.bore_temperature,
-        FieldInputs(np.ravel(inputs.skirt_field), np.ravel(inputs.bore_field)),
+        crank_speed=inputs.crank_speed,
+        load_torque=inputs.load_torque,
+        gas_pressure=inputs.gas_pressure,
+        crankcase_pressure=inputs.crankcase_pressure,
+        land_pressure=inputs.land_pressure,
+        skirt=NodalForces(np.ravel(inputs.pressure_force), np.ravel(inputs.friction_force)),
+        pins=PinForces(*map(np.concatenate, fields)) if inputs.pins else PinForces(*none),
+        rings=inputs.rings,
+        carrier=inputs.carrier,
+        piston_temperature=inputs.piston_temperature,
+        bore_temperature=inputs.bore_temperature,
+        fields=FieldInputs(np.ravel(inputs.skirt_field), np.ravel(inputs.bore_field)),
     )

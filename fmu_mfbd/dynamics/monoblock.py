@@ -24,11 +24,11 @@ import numpy as np
 import scipy.linalg as la
 
 from ..force_elements.element import declared
+from ..mechanism.bdf2 import BY_ALPHA, STATIC, predicted_of, reach_of
+from ..mechanism.generalised_alpha import Coefficients, Motion, Prediction, coefficients
 from ..mechanism.motion import Increments
 from ..reduction.reduced_body import ReducedMonoblock
-from .bdf2 import BY_ALPHA, STATIC, predicted_of, reach_of
 from .first_steps import FIRST_STEPS, first_steps
-from .generalised_alpha import Coefficients, Motion, Prediction, coefficients
 from .motion_in_space import skew
 
 RIGID_MOTIONS = 6
@@ -164,8 +164,8 @@ class MountedMonoblock:
 
     def loose(self) -> bool:
         """Return whether the mounts hold only some motions of the rigid block."""
-        held = np.linalg.eigvalsh(self.mounts[:RIGID_MOTIONS, :RIGID_MOTIONS])
-        return 0.0 < held[-1] and held[0] <= 1e-12 * held[-1]
+        eigenvalues = np.linalg.eigvalsh(self.mounts[:RIGID_MOTIONS, :RIGID_MOTIONS])
+        return 0.0 < eigenvalues[-1] and eigenvalues[0] <= 1e-12 * eigenvalues[-1]
 
     def start(self, cylinders: list[Cylinder]) -> BlockState:
         """Return the state at rest, with the forces at the start."""
@@ -188,7 +188,7 @@ class MountedMonoblock:
         )
         return np.concatenate([rigid, modal])
 
-    def seen(
+    def at_cylinders(
         self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray
     ) -> list[CylinderMotion]:
         """Return the motion of the block, or a change of it, at each cylinder."""
@@ -207,8 +207,8 @@ class MountedMonoblock:
         rule = self._rule(step, before.steps < FIRST_STEPS)
         end = self._predicted(before, rule)
         force = self.total(cylinders)
-        lack = force - self.damping @ end.velocity - self.stiffness @ end.position
-        unknown = la.lu_solve(rule.factors, lack)
+        residual = force - self.damping @ end.velocity - self.stiffness @ end.position
+        unknown = la.lu_solve(rule.factors, residual)
         acceleration = rule.by.acceleration * unknown
         auxiliary = end.auxiliary
         for part, c in rule.parts:
@@ -217,13 +217,13 @@ class MountedMonoblock:
         if steps < FIRST_STEPS:
             auxiliary[RIGID_MOTIONS:] = 0.0
         return BlockState(
-            end.position + rule.by.position * unknown,
-            end.velocity + rule.by.velocity * unknown,
-            acceleration,
-            auxiliary,
-            force,
-            step,
-            steps,
+            position=end.position + rule.by.position * unknown,
+            velocity=end.velocity + rule.by.velocity * unknown,
+            acceleration=acceleration,
+            auxiliary=auxiliary,
+            force=force,
+            step=step,
+            steps=steps,
         )
 
     def change(self, after: BlockState, cylinders: list[Cylinder]) -> list[CylinderMotion]:
@@ -232,10 +232,12 @@ class MountedMonoblock:
         It is exact, because the equations are linear.
         """
         if not after.steps:
-            return self.seen(*np.zeros((3, self.size)))
+            return self.at_cylinders(*np.zeros((3, self.size)))
         _, by, factors = self._rule(after.step, after.steps <= FIRST_STEPS)
         unknown = la.lu_solve(factors, self.total(cylinders))
-        return self.seen(by.position * unknown, by.velocity * unknown, by.acceleration * unknown)
+        return self.at_cylinders(
+            by.position * unknown, by.velocity * unknown, by.acceleration * unknown
+        )
 
     def energies(self, state: BlockState) -> tuple[float, float]:
         """Return kinetic energy, and elastic energy of modes and mounts [J]."""

@@ -18,17 +18,17 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compiled
+from ..mechanism.carrier import FIXED
 from ..mechanism.chain import Chain
 from ..mechanism.equations import forces_at, friction_at
+from ..mechanism.floating_frame import TURN, X, Y
+from ..mechanism.generalised_alpha import Motion
 from ..mechanism.loads import loads_at
 from ..mechanism.motion import ChainMotion, chain_motion
+from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING, Load
+from ..mechanism.slider_crank import CrankMotion
 from .block_force import BlockForce, block_force
-from .carrier import FIXED
-from .floating_frame import TURN, X, Y
-from .generalised_alpha import Motion
 from .pin_films import forces_of
-from .piston_motion import LATERAL, RIGID, ROCKING, Load
-from .slider_crank import CrankMotion
 
 SHIFT, ROLL, YAW = 2, 3, 4
 """Coordinates beside x_A and the rocking angle."""
@@ -102,9 +102,9 @@ class SpaceLoad(NamedTuple):
     Parameters
     ----------
     plane : Load
-        Its `guided` acts on the bore's axis in z too.
+        Its `axis_force` acts on the bore's axis in z too.
     across : ndarray, shape (3,)
-        On [z, roll, yaw], without what `guided` adds away from z = 0 [N], [N m], [N m].
+        On [z, roll, yaw], without what `axis_force` adds away from z = 0 [N], [N m], [N m].
     """
 
     plane: Load
@@ -143,7 +143,7 @@ class SpaceImbalance(NamedTuple):
         Of pin friction on the piston [N m].
     from_rod : ndarray, shape (2,)
         Force of the rod on the pin, along x and y [N].
-    held : ndarray, shape (3,)
+    out_of_plane : ndarray, shape (3,)
         Of the rod on the pin: force along z of stop and damper [N], moments about x and y [N m].
     torque : float
         Of the drive on the crank [N m].
@@ -157,7 +157,7 @@ class SpaceImbalance(NamedTuple):
     on_piston: np.ndarray
     pin_moment: float
     from_rod: np.ndarray
-    held: np.ndarray
+    out_of_plane: np.ndarray
     torque: float
     on_block: np.ndarray
     motion: ChainMotion
@@ -179,7 +179,7 @@ def skew(vector: np.ndarray) -> np.ndarray:
 
 
 @compiled
-def held(stop: Stop, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+def stop_force(stop: Stop, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """Return the force of a stop against a motion of n coordinates in any direction, (n,).
 
     Eq. (K17):  F = k max(0, |q| - play) q/|q| + d q'
@@ -257,10 +257,10 @@ def imbalance(
     """Return the residual of the equations of motion.
 
     Eq. (D27):  x_A:    T_x + f1 T_y + rod + M psi1 = 0
-                angle:  M_z - M - (moment + guided x_A) = 0
-                z:      F_z + m_pin z'' - roll (T_y - guided) + yaw T_x - load_z + K_z = 0
-                roll:   M_x - z (T_y - guided) - load_roll + K_roll = 0
-                yaw:    M_y + z T_x + roll guided (p + x_A) - load_yaw + K_yaw = 0
+                angle:  M_z - M - (moment + axis_force x_A) = 0
+                z:      F_z + m_pin z'' - roll (T_y - axis_force) + yaw T_x - load_z + K_z = 0
+                roll:   M_x - z (T_y - axis_force) - load_roll + K_roll = 0
+                yaw:    M_y + z T_x + roll axis_force (p + x_A) - load_yaw + K_yaw = 0
                 G = R F - load,   T = G + m_pin A''
     F, M of Eq. (D26), of piston and pin; rod: its inertia (Eq. (D61)); G: force of the pin on the
     piston; T: that of the rod on the pin, square to it, in the rod's plane; M: friction of the pin
@@ -298,11 +298,11 @@ def imbalance(
     roll, z, arm = spin.tilt[0], q[SHIFT], bodies.pin_offset + q[LATERAL]
     holding, (load_z, load_roll, load_yaw) = _held(bodies, now), load.across
     carried = bodies.pin_mass * now.acceleration[SHIFT]
-    beside = np.array(
+    out_of_plane = np.array(
         [
             force[-1] + carried - _square(load, pull, spin.tilt) - load_z,
-            moment[X] - z * (pull[Y] - load.plane.guided) - load_roll,
-            moment[Y] + z * pull[X] + roll * load.plane.guided * arm - load_yaw,
+            moment[X] - z * (pull[Y] - load.plane.axis_force) - load_roll,
+            moment[Y] + z * pull[X] + roll * load.plane.axis_force * arm - load_yaw,
         ]
     )
     on_block = own.on_block
@@ -310,14 +310,14 @@ def imbalance(
     on_block[Y] -= y
     on_block[TURN] -= at.position[last, X] * y - at.position[last, Y] * x + moment[TURN]
     return SpaceImbalance(
-        np.concatenate((own.residual, beside + holding)),
-        on_piston,
-        friction_at(chain.joints, at, own.joints, last).moment,
-        pull,
-        -holding,
-        own.torque,
-        on_block,
-        at,
+        residual=np.concatenate((own.residual, out_of_plane + holding)),
+        on_piston=on_piston,
+        pin_moment=friction_at(chain.joints, at, own.joints, last).moment,
+        from_rod=pull,
+        out_of_plane=-holding,
+        torque=own.torque,
+        on_block=on_block,
+        motion=at,
     )
 
 
@@ -326,15 +326,15 @@ def _square(load, pull, tilt):
     """Return the force along z of rod and gas on a pin that is tilted."""
     roll, yaw, _ = tilt
     pull_x, pull_y = pull
-    return roll * (pull_y - load.plane.guided) - yaw * pull_x
+    return roll * (pull_y - load.plane.axis_force) - yaw * pull_x
 
 
 @compiled
 def _held(bodies, now):
     """Return what holds z, roll and yaw, (3,)."""
     q, v = now.position, now.velocity
-    along = held(bodies.along, q[SHIFT:ROLL], v[SHIFT:ROLL])
-    return np.concatenate((along, held(bodies.askew, q[ROLL:], v[ROLL:])))
+    along = stop_force(bodies.along, q[SHIFT:ROLL], v[SHIFT:ROLL])
+    return np.concatenate((along, stop_force(bodies.askew, q[ROLL:], v[ROLL:])))
 
 
 @compiled
@@ -358,9 +358,11 @@ def tangent(
     out = np.empty((COORDINATES, COORDINATES))
     for j in range(COORDINATES):
         for sign in (-0.5, 0.5):
-            way = np.zeros(COORDINATES)
-            way[j] = 2 * sign
-            moved = Motion(now.position + c2 * way, now.velocity + c1 * way, now.acceleration + way)
+            seed = np.zeros(COORDINATES)
+            seed[j] = 2 * sign
+            moved = Motion(
+                now.position + c2 * seed, now.velocity + c1 * seed, now.acceleration + seed
+            )
             residual = imbalance(bodies, load, moved, crank).residual
             for i in range(COORDINATES):
                 out[i, j] = sign * residual[i] + (out[i, j] if sign > 0.0 else 0.0)
@@ -368,20 +370,20 @@ def tangent(
 
 
 def forces_on_block(
-    bodies: SpaceBodies, load: SpaceLoad, now: Motion, lack: SpaceImbalance
+    bodies: SpaceBodies, load: SpaceLoad, now: Motion, imbalance: SpaceImbalance
 ) -> tuple[BlockForce, tuple[float, float, float]]:
     """Return the forces on the block in the plane, then force along z and moments about x and y.
 
-    Eq. (D53):  F_z = -Z,   Z = roll (T_y - guided) - yaw T_x + load_z - K_z
-                M_x = -(load_roll - K_roll + Y Z - z (load_y + guided))
-                M_y = -(load_yaw - K_yaw - x Z + z load_x - guided roll (p + x_A))
+    Eq. (D53):  F_z = -Z,   Z = roll (T_y - axis_force) - yaw T_x + load_z - K_z
+                M_x = -(load_roll - K_roll + Y Z - z (load_y + axis_force))
+                M_y = -(load_yaw - K_yaw - x Z + z load_x - axis_force roll (p + x_A))
                 (x, Y, z): A from the crank axis, the rest of Eq. (D27)
 
     Parameters
     ----------
     bodies, load, now
         As for `imbalance`.
-    lack : SpaceImbalance
+    imbalance : SpaceImbalance
         Of the same motion.
 
     Returns
@@ -390,16 +392,16 @@ def forces_on_block(
         All that acts on the block, the main bearings' too, on the crank axis [N], [N m].
     """
     lateral, _, z, roll, yaw = now.position
-    x, y = lack.motion.position[-1]
+    x, y = imbalance.motion.position[-1]
     tilt = np.array([bodies.tilt + roll, yaw, 0.0])
-    along, about_x, about_y = lack.held
+    along, about_x, about_y = imbalance.out_of_plane
     load_z, load_roll, load_yaw = load.across
     # Eq. (D53)
-    needed_z = _square(load, lack.from_rod, tilt) + load_z + along
-    leaning = load.plane.guided * tilt[0] * (bodies.pin_offset + lateral)
-    moment_x = load_roll + about_x + y * needed_z - z * (load.plane.axial + load.plane.guided)
+    needed_z = _square(load, imbalance.from_rod, tilt) + load_z + along
+    leaning = load.plane.axis_force * tilt[0] * (bodies.pin_offset + lateral)
+    moment_x = load_roll + about_x + y * needed_z - z * (load.plane.axial + load.plane.axis_force)
     moment_y = load_yaw + about_y - x * needed_z + z * load.plane.lateral - leaning
-    on = block_force(load.plane, np.zeros(RIGID), lack.on_block)
+    on = block_force(load.plane, np.zeros(RIGID), imbalance.on_block)
     return on, (-needed_z, -moment_x, -moment_y)
 
 

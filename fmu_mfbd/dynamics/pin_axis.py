@@ -68,12 +68,12 @@ def pin_beam(piston_radius: float, span: float, shapes: int, p: Settings) -> Bea
     `span` is its length if the parameter is 0, the radius is that of the skirt [m].
     """
     hollow = HollowPin(
-        p.pin_mass,
-        p.pin_length if p.pin_length > 0.0 else span,
-        pin_radius(piston_radius, p),
-        p.pin_bore_radius,
-        p.pin_young,
-        p.pin_poisson,
+        mass=p.pin_mass,
+        length=p.pin_length if p.pin_length > 0.0 else span,
+        radius=pin_radius(piston_radius, p),
+        bore_radius=p.pin_bore_radius,
+        young=p.pin_young,
+        poisson=p.pin_poisson,
     )
     return free_beam(hollow, shapes)
 

@@ -24,14 +24,15 @@ from ..geometry.pin import (
     yielded,
 )
 from ..geometry.surfaces import pin_surface_at, pins_of
+from ..mechanism.bdf2 import STATIC
 from ..mechanism.chain import Chain, Loads
 from ..mechanism.cylinder import EYE, floats
-from ..mechanism.loads import MOMENT, REACTION, HeldForces, no_forces
+from ..mechanism.floating_frame import TURN, X, Y
+from ..mechanism.generalised_alpha import Motion
+from ..mechanism.loads import MOMENT, REACTION, AppliedForces, no_forces
+from ..mechanism.modal_damping import put_damping
 from ..mechanism.motion import ChainMotion, MotionChanges
-from .bdf2 import STATIC
-from .floating_frame import TURN, X, Y
-from .generalised_alpha import Motion
-from .modal_damping import put_damping
+from ..mechanism.piston_motion import Load
 from .pin_shells import (
     Shell,
     own_bent,
@@ -42,7 +43,6 @@ from .pin_shells import (
     shell_of,
     turned_back,
 )
-from .piston_motion import Load
 from .skirt_films import FilmChange, stack
 from .system import BodySystem
 
@@ -65,15 +65,15 @@ def on_film(surface: PinSurface, forces: PinForces, first: int) -> PinForces:
 
 
 @compilable
-def forces_of(chain: Chain, load: Load) -> HeldForces:
+def forces_of(chain: Chain, load: Load) -> AppliedForces:
     """Return the forces of skirt and gas, and none of films of pin and crank."""
     out = no_forces(chain)
     for k in range(len(load.modal)):
         out.modal[k] = load.modal[k]
     skirt = len(out.moment) - len(chain.laws.kind) - 2
-    out.force[skirt, X], out.force[skirt, Y] = load.lateral, load.axial + load.guided
+    out.force[skirt, X], out.force[skirt, Y] = load.lateral, load.axial + load.axis_force
     out.moment[skirt] = load.moment
-    out.force[skirt + 1, Y] = -load.guided
+    out.force[skirt + 1, Y] = -load.axis_force
     return out
 
 
@@ -98,7 +98,9 @@ def film_pushes(of: BodySystem, forces: PinForces) -> np.ndarray:
 
 
 @compilable
-def held_forces(of: BodySystem, load: Load, forces: PinForces, pushes: np.ndarray) -> HeldForces:
+def applied_forces(
+    of: BodySystem, load: Load, forces: PinForces, pushes: np.ndarray
+) -> AppliedForces:
     """Return the forces of all elements without laws: films of pin and crank, then skirt and gas.
 
     Parameters
@@ -119,12 +121,12 @@ def held_forces(of: BodySystem, load: Load, forces: PinForces, pushes: np.ndarra
         own = on_film(surface, forces, cell)
         cell += len(own.pressure)
         still = np.zeros((surface.axis.shape[1], 2))
-        found = resultants_on(surface, own, np.zeros(2), axes_of(1.0, 0.0), still)
-        out.moment[e] = found.on_pin
-        for way in range(2):
-            out.force[e, way] = found.force[way]
+        resultants = resultants_on(surface, own, np.zeros(2), axes_of(1.0, 0.0), still)
+        out.moment[e] = resultants.on_pin
+        for direction in range(2):
+            out.force[e, direction] = resultants.force[direction]
             for k in range(elements.shapes[e]):
-                out.on_shapes[e, k, way] = found.on_shapes[k, way]
+                out.on_shapes[e, k, direction] = resultants.on_shapes[k, direction]
         for k in range(elements.modes[e]):
             out.modal[elements.mode[e] - m + k] += pushes[0, slope]
             out.slopes[slope] = pushes[1, slope]
@@ -160,8 +162,8 @@ def _work_error(of, forces, push, opened, shell, loads, end, e):
         yields += push[m] * modal_velocity[m]
     bends = 0.0
     for m in range(of.chain.elements.shapes[e]):
-        for way in range(2):
-            bends += loads.on_shapes[e, m, way] * shell.bent.velocity[m, way]
+        for direction in range(2):
+            bends += loads.on_shapes[e, m, direction] * shell.bent.velocity[m, direction]
     in_coordinates = moving + shell_turns + yields + bends + pin_turns
     size = on_grid.size + abs(moving) + abs(shell_turns) + abs(yields) + abs(bends) + abs(pin_turns)
     return abs(on_grid.power - in_coordinates) / size if size > 0.0 else 0.0
@@ -210,7 +212,7 @@ def pin_films(
     at: ChainMotion,
     end: Motion,
 ) -> PinFilmState:
-    """Return all films of pin and crank at an instant; `pushes` as for `held_forces`."""
+    """Return all films of pin and crank at an instant; `pushes` as for `applied_forces`."""
     cells = len(forces.pressure)
     gaps = np.empty(cells)
     around = np.empty(cells)
@@ -240,7 +242,14 @@ def pin_films(
             if body >= 0 and of.chain.joints.angle[body] < 0:
                 driven += moment * at.velocity[body, TURN]
         first = last
-    return PinFilmState(gaps, around, errors, wider, friction_power, driven)
+    return PinFilmState(
+        film_thickness=gaps,
+        circumferential_velocity=around,
+        work_error=errors,
+        widening=wider,
+        friction_power=friction_power,
+        driven=driven,
+    )
 
 
 @compilable
@@ -261,12 +270,12 @@ def pin_changes(
         by_motion = shell_change(of.chain.elements, moved, bodies, e)
         aside = across(shell.place)
         turn = by_motion.turn
-        way = in_axes(
+        shift = in_axes(
             shell.axes,
             pair(by_motion.place[0] - turn * aside[0], by_motion.place[1] - turn * aside[1]),
         )
         more = shapes_of(of.chain.elements, moved.position, e)
-        gap = opening_of(surface, way, turned_back(shell, shell.bent.position, more, turn))
+        gap = opening_of(surface, shift, turned_back(shell, shell.bent.position, more, turn))
         opened = yielded(surface, shell_modes_of(of.chain.elements, moved.position, e))
         around, along = gap.shape
         for i in range(around):

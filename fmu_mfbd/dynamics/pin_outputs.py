@@ -8,10 +8,10 @@ from ...master.fmi.compiled import compilable
 from ..geometry.surfaces import pins_of
 from ..mechanism.chain import BLOCK, NONE, Loads
 from ..mechanism.cylinder import BODY, EYE, PIN, film_of, floats
+from ..mechanism.floating_frame import X, Y
+from ..mechanism.generalised_alpha import Motion
 from ..mechanism.laws import between
 from ..mechanism.loads import REACTION
-from .floating_frame import X, Y
-from .generalised_alpha import Motion
 from .pin_shells import shapes_of
 from .system import BodySystem
 
@@ -30,8 +30,8 @@ def _of_film(name, play, load, directions):
         *_both(f"{name}_force", "N", f"Force of {load}", 1e3),
         (f"{name}_friction_moment", "N.m", f"Friction moment of {load} about +z", 0.1),
         *[
-            (f"{name}_widening_{way}", "m", f"{widening}, {text}", 1e-5)
-            for way, text in directions.items()
+            (f"{name}_widening_{direction}", "m", f"{widening}, {text}", 1e-5)
+            for direction, text in directions.items()
         ],
     ]
 
@@ -85,9 +85,9 @@ def pin_scalars(
         out[SPIN], out[SPIN + 1] = position[PIN.spin], now.velocity[PIN.spin]
         bent = shapes_of(elements, position, EYE)
         for k in range(len(of.shapes.slope)):
-            for way in range(2):
-                out[TILT + way] += of.shapes.slope[k] * bent[k, way]
-                out[SAG + way] += of.shapes.sag[k] * bent[k, way]
+            for direction in range(2):
+                out[TILT + direction] += of.shapes.slope[k] * bent[k, direction]
+                out[SAG + direction] += of.shapes.sag[k] * bent[k, direction]
         if len(of.chain.laws.kind) > 0:
             by_laws = between(of.chain, loads, BODY.rod, BODY.pin)
     first = FILMS

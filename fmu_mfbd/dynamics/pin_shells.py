@@ -7,9 +7,9 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.pin import ModeMotion, across, axes_of, in_axes, pair
 from ..mechanism.chain import Elements
+from ..mechanism.floating_frame import TURN
+from ..mechanism.generalised_alpha import Motion
 from ..mechanism.motion import ChainMotion, MotionChanges
-from .floating_frame import TURN
-from .generalised_alpha import Motion
 
 
 class Shell(NamedTuple):
@@ -48,12 +48,12 @@ def shell_of(elements: Elements, at: ChainMotion, now: Motion, e: int) -> Shell:
         axes, own_turning = axes_of(at.axes[shell, 0], at.axes[shell, 1]), at.velocity[shell, TURN]
     play = elements.play[e]
     return Shell(
-        axes,
-        play_at(play, now.position),
-        play_at(play, now.velocity),
-        own_turning,
-        at.velocity[journal, TURN] - own_turning,
-        ModeMotion(shapes_of(elements, now.position, e), shapes_of(elements, now.velocity, e)),
+        axes=axes,
+        place=play_at(play, now.position),
+        velocity=play_at(play, now.velocity),
+        own_turning=own_turning,
+        turning=at.velocity[journal, TURN] - own_turning,
+        bent=ModeMotion(shapes_of(elements, now.position, e), shapes_of(elements, now.velocity, e)),
     )
 
 

@@ -7,22 +7,22 @@ import numpy as np
 from ...master.fmi.compiled import compilable, compiled
 from ..geometry.film import FilmForces, NodalForces
 from ..geometry.pin import PinForces
+from ..mechanism.bdf2 import reach_of
+from ..mechanism.carrier import Carrier
 from ..mechanism.cylinder import piston_of
 from ..mechanism.derivative import pushed_forces
+from ..mechanism.floating_frame import TURN, Y
+from ..mechanism.generalised_alpha import Coefficients, Motion
 from ..mechanism.laws import from_block_changes
 from ..mechanism.loads import loads_at
 from ..mechanism.motion import changes_along, motion_changes
+from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING, Load
+from ..mechanism.slider_crank import CrankMotion
 from ..mechanism.solution import Linearisation, solve_coupled
-from .bdf2 import reach_of
 from .block_force import BlockForce, block_force
-from .carrier import Carrier
-from .floating_frame import TURN, Y
-from .generalised_alpha import Coefficients, Motion
 from .instant import of_skirt
-from .pin_films import film_pushes, held_forces, pin_changes
-from .piston_motion import LATERAL, RIGID, ROCKING, Load
-from .skirt_films import forces_by_film, skirt_changes, skirt_slopes, together
-from .slider_crank import CrankMotion
+from .pin_films import applied_forces, film_pushes, pin_changes
+from .skirt_films import forces_by_film, skirt_changes, skirt_slopes, total_forces
 from .system import BodySystem, RingForce
 
 
@@ -32,7 +32,7 @@ class StepEnd(NamedTuple):
     Parameters
     ----------
     coefficients : Coefficients
-    guided : float
+    guide_height : float
         Height at which the bore is read [m].
     now : Motion
         Of all coordinates.
@@ -41,7 +41,7 @@ class StepEnd(NamedTuple):
     """
 
     coefficients: Coefficients
-    guided: float
+    guide_height: float
     now: Motion
     crank: CrankMotion
     linear: Linearisation
@@ -112,13 +112,13 @@ def response(
     Response
     """
     chain = of.chain
-    end, guided, own = last.now, last.guided, last.linear
-    skirt = together(forces_by_film(of, guided, skirt_forces))
+    end, guide_height, own = last.now, last.guide_height, last.linear
+    skirt = total_forces(forces_by_film(of, guide_height, skirt_forces))
     change = load_change(of, skirt, rings)
     at, block = own.forces.motion, own.forces.inertia.carrier
     by = reach_of(last.coefficients, of.kinds)
-    held = held_forces(of, change, forces, film_pushes(of, forces))
-    loads = loads_at(chain, held, at, end)
+    applied = applied_forces(of, change, forces, film_pushes(of, forces))
+    loads = loads_at(chain, applied, at, end)
     pushed = pushed_forces(chain, own.forces, end, loads, carrier)
     # Eq. (D23)
     acceleration = -solve_coupled(chain.bodies, at, block, by, own.factors, pushed.residual)
@@ -133,20 +133,20 @@ def response(
         from_walls = from_block_changes(chain.elements, own.law_slopes, at, bodies)
     first = RIGID + len(of.gas_force)
     if lever != 0.0:
-        slopes = skirt_slopes(of, guided, skirt_forces.pressure)
+        slopes = skirt_slopes(of, guide_height, skirt_forces.pressure)
         pushed_along = slopes.undeformed + slopes.modal @ of_skirt(of, end.position)[first:]
         on_block[TURN] -= lever * pushed_along  # Eq. (D70)
         from_walls[Y] += pushed_along
     place, speed = of_skirt(of, moved.position), of_skirt(of, moved.velocity)
-    on_skirt = skirt_changes(of, guided, rising, place, speed)
+    on_skirt = skirt_changes(of, guide_height, rising, place, speed)
     on_pins = pin_changes(of, at, end, moved, bodies)
     return Response(
-        on_skirt.film_thickness,
-        on_skirt.sliding_velocity,
-        moved.velocity[LATERAL],
-        moved.velocity[ROCKING],
-        rising,
-        on_pins.film_thickness,
-        on_pins.sliding_velocity,
-        block_force(change, from_walls, on_block),
+        film_thickness=on_skirt.film_thickness,
+        sliding_velocity=on_skirt.sliding_velocity,
+        lateral_velocity=moved.velocity[LATERAL],
+        rocking_velocity=moved.velocity[ROCKING],
+        piston_velocity=rising,
+        pin_film_thickness=on_pins.film_thickness,
+        circumferential_velocity=on_pins.sliding_velocity,
+        on_block=block_force(change, from_walls, on_block),
     )

@@ -20,7 +20,7 @@ from ..geometry.film import (
     window_at,
 )
 from ..geometry.surfaces import count_of, surface_at
-from .piston_motion import LATERAL, RIGID, ROCKING
+from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING
 from .system import BodySystem, skirt_modes
 
 
@@ -87,9 +87,9 @@ def stack(stacked, first, field):
 
 
 @compiled
-def window_of(surface: FilmSurface, guided: float) -> Window:
+def window_of(surface: FilmSurface, guide_height: float) -> Window:
     """Return the position of a surface in the bore that is read at a height [m]."""
-    return window_at(surface.bore.lowest, surface.bore.spacing, guided, surface.skirt.height)
+    return window_at(surface.bore.lowest, surface.bore.spacing, guide_height, surface.skirt.height)
 
 
 class FilmParts(NamedTuple):
@@ -100,13 +100,13 @@ class FilmParts(NamedTuple):
 
 
 @compiled
-def forces_by_film(system: BodySystem, guided: float, forces: NodalForces) -> FilmParts:
+def forces_by_film(system: BodySystem, guide_height: float, forces: NodalForces) -> FilmParts:
     """Return the generalised forces of each film.
 
     Parameters
     ----------
     system : BodySystem
-    guided : float
+    guide_height : float
         Height at which the bore is read [m].
     forces : NodalForces
         Stacked [N].
@@ -117,7 +117,7 @@ def forces_by_film(system: BodySystem, guided: float, forces: NodalForces) -> Fi
     for s in range(films):
         surface = surface_at(system.surfaces, s)
         nodal = _nodal(surface, forces, first)
-        part = generalised(surface.skirt, surface.bore, window_of(surface, guided), nodal)
+        part = generalised(surface.skirt, surface.bore, window_of(surface, guide_height), nodal)
         parts.axial[s] = part.axial
         for k in range(len(part.push)):
             parts.push[s, k] = part.push[k]
@@ -126,7 +126,7 @@ def forces_by_film(system: BodySystem, guided: float, forces: NodalForces) -> Fi
 
 
 @compiled
-def together(parts: FilmParts) -> FilmForces:
+def total_forces(parts: FilmParts) -> FilmForces:
     """Return the generalised forces of all films.
 
     Eq. (G2):  Q = sum_s Q_s        s the film surfaces of the body: virtual work adds
@@ -163,7 +163,7 @@ class SkirtFilms(NamedTuple):
 @compiled
 def skirt_films(
     system: BodySystem,
-    guided: AxialMotion,
+    guide: AxialMotion,
     forces: NodalForces,
     parts: FilmParts,
     axial_velocity: float,
@@ -175,7 +175,7 @@ def skirt_films(
     Parameters
     ----------
     system : BodySystem
-    guided : AxialMotion
+    guide : AxialMotion
         Where the bore is read: of A when x_A = 0.
     forces : NodalForces
         Stacked [N].
@@ -196,30 +196,30 @@ def skirt_films(
         film = film_now(
             surface.skirt,
             surface.bore,
-            window_of(surface, guided.height),
+            window_of(surface, guide.height),
             _nodal(surface, forces, first),
             axial_velocity,
-            guided.velocity,
+            guide.velocity,
             position,
             velocity,
         )
         stack_film(thickness, first, surface, film.film_thickness)
         stack_film(sliding_velocity, first, surface, film.sliding_velocity)
         own = FilmForces(parts.axial[k], parts.push[k])
-        errors[k] = work_error(own, film, axial_velocity, guided.velocity, velocity)
+        errors[k] = work_error(own, film, axial_velocity, guide.velocity, velocity)
         on_slopes += film.axial_force
         first += cells_of(surface)
     return SkirtFilms(thickness, sliding_velocity, errors, on_slopes)
 
 
 @compiled
-def skirt_slopes(system: BodySystem, guided: float, pressure: np.ndarray) -> SlopePush:
+def skirt_slopes(system: BodySystem, guide_height: float, pressure: np.ndarray) -> SlopePush:
     """Return the axial force of all films on the slopes of the bore.
 
     Parameters
     ----------
     system : BodySystem
-    guided : float
+    guide_height : float
         Height at which the bore is read [m].
     pressure : ndarray, shape (cells,)
         Forces, stacked [N].
@@ -230,7 +230,7 @@ def skirt_slopes(system: BodySystem, guided: float, pressure: np.ndarray) -> Slo
     for s in range(count_of(system.surfaces)):
         surface = surface_at(system.surfaces, s)
         field = _on_grid(surface, field_of(surface, pressure, first))
-        push = slope_push(surface.bore, window_of(surface, guided), field)
+        push = slope_push(surface.bore, window_of(surface, guide_height), field)
         undeformed += push.undeformed
         for k in range(len(modal)):
             modal[k] += push.modal[k]
@@ -247,14 +247,18 @@ class FilmChange(NamedTuple):
 
 @compiled
 def skirt_changes(
-    system: BodySystem, guided: float, rising: float, position: np.ndarray, velocity: np.ndarray
+    system: BodySystem,
+    guide_height: float,
+    rising: float,
+    position: np.ndarray,
+    velocity: np.ndarray,
 ) -> FilmChange:
     """Return the change of all films of the skirt with the bodies' coordinates.
 
     Parameters
     ----------
     system : BodySystem
-    guided : float
+    guide_height : float
         Height at which the bore is read [m].
     rising : float
         Change of A's axial velocity [m/s].
@@ -269,7 +273,7 @@ def skirt_changes(
     first = 0
     for s in range(films):
         surface = surface_at(system.surfaces, s)
-        window = window_of(surface, guided)
+        window = window_of(surface, guide_height)
         opened = opening(
             surface.skirt,
             surface.bore,

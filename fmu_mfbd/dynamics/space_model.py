@@ -12,11 +12,13 @@ import numpy as np
 from ..geometry.film import NodalForces
 from ..geometry.space import Levers, levers, slope_around
 from ..mechanism.cylinder import BODY
+from ..mechanism.floating_frame import TURN, Arrow, Y
+from ..mechanism.generalised_alpha import Coefficients, Motion, predict
+from ..mechanism.impact import UNLIMITED, Inertia, limit_memory, longest_step
+from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING
+from ..mechanism.slider_crank import CrankMotion, height
 from .block_force import NO_FORCE
 from .energy import energy_ledger, other_forces
-from .floating_frame import TURN, Arrow, Y
-from .generalised_alpha import Coefficients, Motion, predict
-from .impact import UNLIMITED, Inertia, limit_memory, longest_step
 from .instant import Instant, load_of
 from .model import Inputs, PistonInBore
 from .motion_in_space import (
@@ -35,7 +37,6 @@ from .motion_in_space import (
     tangent,
     with_pin,
 )
-from .piston_motion import LATERAL, RIGID, ROCKING
 from .response import Response, load_change
 from .skirt_films import (
     AxialMotion,
@@ -44,10 +45,9 @@ from .skirt_films import (
     forces_by_film,
     skirt_changes,
     skirt_films,
-    together,
+    total_forces,
     window_of,
 )
-from .slider_crank import CrankMotion, height
 from .step import StepInputs, StepResult
 from .system import StepProblem
 
@@ -64,7 +64,7 @@ class SpaceSolution(NamedTuple):
 
     load: SpaceLoad
     end: Motion
-    lack: SpaceImbalance
+    imbalance: SpaceImbalance
     evaluations: int
     tangents: int
     change: float
@@ -76,7 +76,7 @@ class LastInSpace(NamedTuple):
     coefficients: Coefficients
     solved: SpaceSolution
     crank: CrankMotion
-    guided: float
+    guide_height: float
     levers: tuple[Levers, ...]
 
 
@@ -132,37 +132,37 @@ class PistonInSpace(PistonInBore):
         self.with_rod = self.inertia._replace(top=self.inertia.top.copy())
         self.with_rod.top[:RIGID, :RIGID] += self.system.with_rod.top - self.system.inertia.top
 
-    def _instant(self, step: StepProblem, given: StepInputs, inputs: Inputs) -> Instant:
+    def _instant(self, step: StepProblem, step_inputs: StepInputs, inputs: Inputs) -> Instant:
         """Return everything at the end of a step, as `instant.end_of_step`."""
         c, before, auxiliary, _, crank, others = step
         system = self.system
         upright = height(system.mechanism, 0.0, crank.angle)
-        guided = AxialMotion(upright.height, upright.lever * crank.speed)
-        forces = given.skirt
+        guide = AxialMotion(upright.height, upright.lever * crank.speed)
+        forces = step_inputs.skirt
         nodal = self._nodal(forces)
-        sides = self._levers(guided.height)
+        sides = self._levers(guide.height)
         each = [side.forces(one) for side, one in zip(sides, nodal)]
         across = np.sum(each, axis=0)
-        parts = forces_by_film(system, guided.height, forces)
-        skirt = together(parts)
+        parts = forces_by_film(system, guide.height, forces)
+        skirt = total_forces(parts)
         load = SpaceLoad(load_of(system, skirt, others), across)
         solved = self._solved(c, before, auxiliary, load, crank)
-        self._space = LastInSpace(c, solved, crank, guided.height, sides)
+        self._space = LastInSpace(c, solved, crank, guide.height, sides)
         self._inverse: np.ndarray | None = None
         end = solved.end
         carried = predict(c, before, auxiliary).auxiliary + c.to_auxiliary * end.acceleration
-        kept = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
-        longest = self._limit(before, kept, carried, c.step)
+        next_start = Motion(end.position, end.velocity.copy(), end.acceleration.copy())
+        longest = self._limit(before, next_start, carried, c.step)
 
-        lack = solved.lack
-        at = lack.motion
+        imbalance = solved.imbalance
+        at = imbalance.motion
         axial_velocity = at.velocity[-1, Y]
-        on_grids = self._films(guided, forces, nodal, parts, axial_velocity, end)
-        driven = c.step * (skirt.axial * axial_velocity + on_grids.on_slopes * guided.velocity)
+        on_grids = self._films(guide, forces, nodal, parts, axial_velocity, end)
+        driven = c.step * (skirt.axial * axial_velocity + on_grids.on_slopes * guide.velocity)
         films = np.array([*skirt.push, *across])
         M = self.inertia, self.with_rod
-        pin_x, pin_y = lack.on_piston
-        on_block, self._across = forces_on_block(self.bodies, load, end, lack)
+        pin_x, pin_y = imbalance.on_piston
+        on_block, self._across = forces_on_block(self.bodies, load, end, imbalance)
         turning = on_grids.on_slopes * upright.lever
         on_block = on_block._replace(  # Eq. (D70)
             moment_on_block=on_block.moment_on_block - turning,
@@ -171,20 +171,20 @@ class PistonInSpace(PistonInBore):
         none = np.zeros(0)
         return Instant(
             end=end,
-            kept=kept,
+            next_start=next_start,
             auxiliary=carried,
-            ledger=energy_ledger(before, kept, end, *M, films, driven, 0.0),
+            ledger=energy_ledger(before, next_start, end, *M, films, driven, 0.0),
             other_forces=other_forces(self.with_rod, end.acceleration, films),
-            next_other_forces=other_forces(self.with_rod, kept.acceleration, films),
-            guided=guided.height,
+            next_other_forces=other_forces(self.with_rod, next_start.acceleration, films),
+            guide_height=guide.height,
             side_force=-skirt.push[LATERAL],
             films=on_grids,
             axial=AxialMotion(at.position[-1, Y], axial_velocity),
             pin_x=pin_x,
             pin_y=pin_y - on_grids.on_slopes,
-            pin_moment=lack.pin_moment,
-            torque=lack.torque - turning,
-            pin_friction_power=lack.pin_moment
+            pin_moment=imbalance.pin_moment,
+            torque=imbalance.torque - turning,
+            pin_friction_power=imbalance.pin_moment
             * (at.velocity[BODY.rod, TURN] - at.velocity[-1, TURN]),
             element_power=0.0,
             evaluations=solved.evaluations,
@@ -201,7 +201,7 @@ class PistonInSpace(PistonInBore):
 
     def _films(
         self,
-        guided: AxialMotion,
+        guide: AxialMotion,
         forces: NodalForces,
         nodal: list[NodalForces],
         parts: FilmParts,
@@ -211,7 +211,7 @@ class PistonInSpace(PistonInBore):
         """Return all films of the skirt at the end of a step."""
         shift, shifting = end.position[IN_SPACE], end.velocity[IN_SPACE]
         position, velocity = end.position[:RIGID], end.velocity[:RIGID]
-        flat = skirt_films(self.system, guided, forces, parts, axial_velocity, position, velocity)
+        flat = skirt_films(self.system, guide, forces, parts, axial_velocity, position, velocity)
         sides = self._space.levers
         slid = [side.sliding * shifting[ROLL - SHIFT] for side in sides]
         errors = []
@@ -219,8 +219,8 @@ class PistonInSpace(PistonInBore):
             on_grid = own.pressure * side.opening(shifting) + own.friction * sliding
             work = side.forces(own) * shifting
             size = np.abs(on_grid).sum() + np.abs(work).sum()
-            apart = abs(on_grid.sum() - work.sum())
-            errors.append(max(error, apart / size if size else 0.0))
+            difference = abs(on_grid.sum() - work.sum())
+            errors.append(max(error, difference / size if size else 0.0))
         return SkirtFilms(
             flat.film_thickness + on_cells(side.opening(shift) for side in sides),
             flat.sliding_velocity + on_cells(slid),
@@ -238,10 +238,10 @@ class PistonInSpace(PistonInBore):
             for one, other, shape in zip(*fields, shapes)
         ]
 
-    def _levers(self, guided: float) -> tuple[Levers, ...]:
+    def _levers(self, guide_height: float) -> tuple[Levers, ...]:
         """Return the levers of all surfaces, for A at its height when x_A = 0 [m]."""
         return tuple(
-            levers(surface, around, window_of(surface, guided))
+            levers(surface, around, window_of(surface, guide_height))
             for surface, around in zip(self.film_surfaces, self.around)
         )
 
@@ -271,16 +271,23 @@ class PistonInSpace(PistonInBore):
                 predicted.velocity + c.to_velocity * acceleration,
                 acceleration,
             )
-            lack = imbalance(self.bodies, load, end, crank)
+            forces = imbalance(self.bodies, load, end, crank)
             if slope is None:
                 slope = tangent(self.bodies, load, end, crank, c.to_velocity, c.to_position)
                 tangents += 1
-            fresh = np.linalg.solve(slope, lack.residual)
+            fresh = np.linalg.solve(slope, forces.residual)
             size = np.abs(acceleration).max()
             left = np.abs(fresh).max()
             # what grows again, or does not fall by ten, is round-off of forces that cancel
             if left <= 1e-13 * size or (change <= 1e-7 * size and left >= 0.1 * change):
-                return SpaceSolution(load, end, lack, evaluation, tangents, left)
+                return SpaceSolution(
+                    load=load,
+                    end=end,
+                    imbalance=forces,
+                    evaluations=evaluation,
+                    tangents=tangents,
+                    change=left,
+                )
             if left > (1 - share / 4) * change:
                 share /= 2
                 acceleration = acceleration + share * step
@@ -291,9 +298,11 @@ class PistonInSpace(PistonInBore):
             share = 1.0
             change = left
             acceleration = acceleration - step
-        return SpaceSolution(load, end, lack, 0, tangents, change)
+        return SpaceSolution(
+            load=load, end=end, imbalance=forces, evaluations=0, tangents=tangents, change=change
+        )
 
-    def _limit(self, before: Motion, kept: Motion, carried: np.ndarray, step: float) -> float:
+    def _limit(self, before: Motion, next_start: Motion, carried: np.ndarray, step: float) -> float:
         """Bound what an impact step passes on (Eq. (N7)), in the plane and across it separately.
 
         Return the longest step of both (Eq. (N12)) [s].
@@ -309,7 +318,7 @@ class PistonInSpace(PistonInBore):
         for rigid, pair in ((in_plane, slice(0, RIGID)), (across, slice(SHIFT, YAW))):
             begun, ended = (
                 Motion(one.position[pair], one.velocity[pair], one.acceleration[pair])
-                for one in (before, kept)
+                for one in (before, next_start)
             )
             own = longest_step(rigid, begun, ended, carried[pair], step, self.system.resolution)
             longest = min(longest, own)
@@ -321,9 +330,9 @@ class PistonInSpace(PistonInBore):
         now = result.instant
         shift, roll, yaw = now.end.position[IN_SPACE]
         solved = self._space.solved
-        motion = (shift, self.bodies.tilt + roll, yaw, *now.kept.velocity[IN_SPACE])
-        held = -solved.load.across[0], *solved.lack.held
-        scalars = SpaceScalars._make([*motion, *held, *self._across])
+        motion = (shift, self.bodies.tilt + roll, yaw, *now.next_start.velocity[IN_SPACE])
+        out_of_plane = -solved.load.across[0], *solved.imbalance.out_of_plane
+        scalars = SpaceScalars._make([*motion, *out_of_plane, *self._across])
         return super()._outputs(result) | scalars._asdict()
 
     def _response(self, seeds: StepInputs, carried: np.ndarray) -> Response:
@@ -333,10 +342,10 @@ class PistonInSpace(PistonInBore):
 
         The block does not move, and the pin is tied.
         """
-        c, solved, crank, guided, sides = self._space
+        c, solved, crank, guide_height, sides = self._space
         load, end = solved.load, solved.end
         system = self.system
-        skirt = together(forces_by_film(system, guided, seeds.skirt))
+        skirt = total_forces(forces_by_film(system, guide_height, seeds.skirt))
         across = [side.forces(one) for side, one in zip(sides, self._nodal(seeds.skirt))]
         change = SpaceLoad(load_change(system, skirt, seeds.rings), np.sum(across, axis=0))
         if self._inverse is None:
@@ -348,21 +357,23 @@ class PistonInSpace(PistonInBore):
         # Eq. (D29)
         place = c.to_position * acceleration
         speed = c.to_velocity * acceleration
-        at = solved.lack.motion
+        at = solved.imbalance.motion
         (x, y), (passing, _, _) = at.arm[-1], at.velocity[-1] - at.velocity[BODY.rod]
         steeper = (x * x + y * y) / y**3 * passing
         rising = -x / y * speed[LATERAL] - steeper * place[LATERAL]
         none = np.zeros(0)
-        flat = skirt_changes(system, guided, rising, place[:RIGID], speed[:RIGID])
+        flat = skirt_changes(system, guide_height, rising, place[:RIGID], speed[:RIGID])
         return Response(
-            flat.film_thickness + on_cells(side.opening(place[IN_SPACE]) for side in sides),
-            flat.sliding_velocity + on_cells(side.sliding * speed[ROLL] for side in sides),
-            speed[LATERAL],
-            speed[ROCKING],
-            rising,
-            none,
-            none,
-            NO_FORCE,
+            film_thickness=flat.film_thickness
+            + on_cells(side.opening(place[IN_SPACE]) for side in sides),
+            sliding_velocity=flat.sliding_velocity
+            + on_cells(side.sliding * speed[ROLL] for side in sides),
+            lateral_velocity=speed[LATERAL],
+            rocking_velocity=speed[ROCKING],
+            piston_velocity=rising,
+            pin_film_thickness=none,
+            circumferential_velocity=none,
+            on_block=NO_FORCE,
         )
 
 

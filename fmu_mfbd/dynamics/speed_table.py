@@ -8,7 +8,7 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from .slider_crank import CrankMotion
+from ..mechanism.slider_crank import CrankMotion
 from .tables import Column, Rows, TableFault, closed, two_columns
 
 

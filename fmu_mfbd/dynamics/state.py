@@ -6,11 +6,11 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Vector
-from .bdf2 import memory_of
+from ..mechanism.bdf2 import memory_of
+from ..mechanism.generalised_alpha import Coefficients, Motion, coefficients
+from ..mechanism.slider_crank import CrankMotion
 from .first_steps import FIRST_STEPS, first_steps
-from .generalised_alpha import Coefficients, Motion, coefficients
 from .instant import Instant
-from .slider_crank import CrankMotion
 from .system import OtherForces, StepProblem
 
 
@@ -88,23 +88,23 @@ def state_at(
     if step > 0.0:
         mean_velocity = (now.end.position - before.position) / step
     return PistonState(
-        time,
-        crank.angle,
-        crank.speed,
-        crank.acceleration,
-        jerk,
-        now.end.position,
-        now.kept.velocity,
-        now.kept.acceleration,
-        auxiliary,
-        mean_velocity,
-        step,
-        now.ledger.accounted,
-        now.next_other_forces,
-        steps,
-        opening,
-        np.zeros((0, 0)),
-        by_field,
+        time=time,
+        crank_angle=crank.angle,
+        crank_speed=crank.speed,
+        crank_acceleration=crank.acceleration,
+        crank_jerk=jerk,
+        position=now.end.position,
+        velocity=now.next_start.velocity,
+        acceleration=now.next_start.acceleration,
+        auxiliary=auxiliary,
+        mean_velocity=mean_velocity,
+        step=step,
+        kinetic=now.ledger.accounted,
+        other_forces=now.next_other_forces,
+        steps=steps,
+        thermal_opening=opening,
+        bore_deflection=np.zeros((0, 0)),
+        field_growth=by_field,
     )
 
 
@@ -114,7 +114,14 @@ def problem_of(
 ) -> StepProblem:
     """Return the problem of a step from a state."""
     motion = Motion(before.position, before.velocity, before.acceleration)
-    return StepProblem(c, motion, before.auxiliary, before.mean_velocity, crank, others)
+    return StepProblem(
+        coefficients=c,
+        before=motion,
+        auxiliary=before.auxiliary,
+        mean_velocity=before.mean_velocity,
+        crank=crank,
+        others=others,
+    )
 
 
 @compilable

@@ -8,20 +8,20 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
+from ..mechanism.bdf2 import reach_of
+from ..mechanism.carrier import Carrier, carrier_from
 from ..mechanism.derivative import drive_inertia
+from ..mechanism.floating_frame import TURN
+from ..mechanism.slider_crank import CrankMotion, driven, height, moved_inertia
 from .account import EnergyAccount, account
-from .bdf2 import reach_of
-from .carrier import Carrier, carrier_from
 from .contradictions import FAULT
 from .drive import Scalars, scalars_of
-from .floating_frame import TURN
 from .gas_on_bore import WallPressures
 from .instant import Instant, end_of_step
 from .parameters import GAS_SOURCES, Settings
 from .pin_films import damp_modes
 from .response import Response, StepEnd, response
 from .skirt_films import skirt_slopes
-from .slider_crank import CrankMotion, driven, height, moved_inertia
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, state_at
 from .system import BodySystem, OtherForces, RingForce, StepProblem, rigid_piston, skirt_modes
@@ -147,23 +147,23 @@ def at_rest(crank: CrankMotion, position: np.ndarray, velocity: np.ndarray) -> P
     """Return the state before a start: a motion without accelerations."""
     none = np.zeros(len(position))
     return PistonState(
-        0.0,
-        crank.angle,
-        crank.speed,
-        crank.acceleration,
-        0.0,
-        position,
-        velocity,
-        none,
-        none,
-        none,
-        0.0,
-        0.0,
-        none,
-        0,
-        0.0,
-        np.zeros((0, 0)),
-        np.zeros(0),
+        time=0.0,
+        crank_angle=crank.angle,
+        crank_speed=crank.speed,
+        crank_acceleration=crank.acceleration,
+        crank_jerk=0.0,
+        position=position,
+        velocity=velocity,
+        acceleration=none,
+        auxiliary=none,
+        mean_velocity=none,
+        step=0.0,
+        kinetic=0.0,
+        other_forces=none,
+        steps=0,
+        thermal_opening=0.0,
+        bore_deflection=np.zeros((0, 0)),
+        field_growth=np.zeros(0),
     )
 
 
@@ -267,8 +267,10 @@ class Warmth(NamedTuple):
 
 
 @compilable
-def warmth_at(model: BodyModel, before: PistonState, inputs: StepInputs, guided: float) -> Warmth:
-    """Return what the temperatures do when the bore is read at the height `guided` [m]."""
+def warmth_at(
+    model: BodyModel, before: PistonState, inputs: StepInputs, guide_height: float
+) -> Warmth:
+    """Return what the temperatures do when the bore is read at the height `guide_height` [m]."""
     surfaces, p = model.parts.surfaces, model.settings
     skirt = level_of(inputs.fields.skirt, inputs.piston_temperature)
     bore = level_of(inputs.fields.bore, inputs.bore_temperature)
@@ -278,8 +280,8 @@ def warmth_at(model: BodyModel, before: PistonState, inputs: StepInputs, guided:
     work = growth_work(force, opening - before.thermal_opening)
     if len(growth) > 0 and len(before.field_growth) > 0:
         warmed = before.field_growth, growth
-        work += field_work(surfaces, model.cold, force, guided, *warmed)
-    return Warmth(opening, growth, work, oil_temperatures(surfaces, guided, skirt, bore))
+        work += field_work(surfaces, model.cold, force, guide_height, *warmed)
+    return Warmth(opening, growth, work, oil_temperatures(surfaces, guide_height, skirt, bore))
 
 
 @compilable
@@ -309,7 +311,7 @@ def result_of(
     system = model.parts
     settings = model.settings
     crank = step.crank
-    last = StepEnd(step.coefficients, now.guided, now.end, crank, now.linear)
+    last = StepEnd(step.coefficients, now.guide_height, now.end, crank, now.linear)
     _turn_block(model, last, inputs.skirt.pressure)
     torque = now.torque + settings.crank_inertia * crank.acceleration
     jerk = 0.0
@@ -320,7 +322,7 @@ def result_of(
         crank = CrankMotion(crank.angle, crank.speed, freed)
         torque = -inputs.load_torque
     steps = before.steps if step.coefficients.step == 0.0 else before.steps + 1
-    warmth = warmth_at(model, before, inputs, now.guided)
+    warmth = warmth_at(model, before, inputs, now.guide_height)
     opening = warmth.opening
     for k in range(len(now.films.film_thickness)):
         now.films.film_thickness[k] += opening
@@ -339,11 +341,11 @@ def result_of(
     mass = rigid_piston(system).mass
     inertia = settings.crank_inertia + moved_inertia(system.mechanism, mass, step.crank.angle)
     return StepResult(
-        now,
-        scalars_of(now, step, (torque, inertia), energy, system, (opening, warm_work)),
-        state,
-        last,
-        warmth.oil,
+        instant=now,
+        scalars=scalars_of(now, step, (torque, inertia), energy, system, (opening, warm_work)),
+        state=state,
+        last=last,
+        oil_temperature=warmth.oil,
     )
 
 
@@ -359,7 +361,7 @@ def _turn_block(model, last, pressure):
     lever = _lever(model, last.crank)
     if lever == 0.0:
         return
-    modal = skirt_slopes(model.parts, last.guided, pressure).modal
+    modal = skirt_slopes(model.parts, last.guide_height, pressure).modal
     by = reach_of(last.coefficients, model.parts.kinds)
     first = modes_of(model)[1] - len(modal)
     for k in range(len(modal)):

@@ -5,13 +5,13 @@ from typing import NamedTuple
 from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Vector
 from ..geometry.pin_shapes import AxisShapes
+from ..mechanism.carrier import FIXED, Carrier
 from ..mechanism.chain import Chain
-from .carrier import FIXED, Carrier
-from .floating_frame import Arrow, Y
+from ..mechanism.floating_frame import Arrow, Y
+from ..mechanism.generalised_alpha import Coefficients, Motion
+from ..mechanism.impact import Inertia
+from ..mechanism.slider_crank import CrankMotion, Mechanism
 from .gas_on_bore import BoreWall, WallPressures
-from .generalised_alpha import Coefficients, Motion
-from .impact import Inertia
-from .slider_crank import CrankMotion, Mechanism
 
 
 class BodySystem(NamedTuple):

@@ -112,6 +112,9 @@ def wall_growth(expansion: float, radius: float, temperature):
         R [m], 0 for a wall that does not grow.
     temperature : float or ndarray
         T - T_level, at cells of a skirt or as spline coefficients of a bore [K].
+
+    >>> print(f"{1e6 * wall_growth(21e-6, 0.04, 50.0):.0f} um")
+    42 um
     """
     return expansion * radius * temperature  # Eq. (I20)
 
@@ -296,7 +299,7 @@ def field_work(
     surfaces: np.ndarray,
     cold: ColdWalls,
     pressure_force: np.ndarray,
-    guided: float,
+    guide_height: float,
     before: np.ndarray,
     growth: np.ndarray,
 ) -> float:
@@ -311,7 +314,7 @@ def field_work(
     cold : ColdWalls
     pressure_force : ndarray, shape (cells,)
         Of whole films [N].
-    guided : float
+    guide_height : float
         Height at which the bore is read [m].
     before, growth : ndarray
         `field_growth` at both ends of the step [m].
@@ -326,7 +329,7 @@ def field_work(
     for s in range(count_of(surfaces)):
         surface = surface_at(surfaces, s)
         around = surface.bore.shape.shape[1]
-        window = window_of(surface, guided)
+        window = window_of(surface, guide_height)
         below = np.empty((window.knots, around))
         for k in range(window.knots):
             for i in range(around):
@@ -341,7 +344,9 @@ def field_work(
 
 
 @compiled
-def oil_temperatures(surfaces: np.ndarray, guided: float, skirt: float, bore: float) -> np.ndarray:
+def oil_temperatures(
+    surfaces: np.ndarray, guide_height: float, skirt: float, bore: float
+) -> np.ndarray:
     """Return the oil temperature in all films of the skirt, stacked [K]; empty if none is given.
 
     Eq. (I22):  T_o(theta, y') = (T_s(theta, y') + T_b(theta, Y_0(phi) + y'))/2
@@ -352,7 +357,7 @@ def oil_temperatures(surfaces: np.ndarray, guided: float, skirt: float, bore: fl
     ----------
     surfaces : ndarray
         Block of all film surfaces.
-    guided : float
+    guide_height : float
         Y_0, height at which the bore is read [m].
     skirt, bore : float
         Levels of both walls [K].
@@ -367,7 +372,7 @@ def oil_temperatures(surfaces: np.ndarray, guided: float, skirt: float, bore: fl
     first = 0
     for s in range(count):
         surface = surface_at(surfaces, s)
-        window = window_of(surface, guided)
+        window = window_of(surface, guide_height)
         knots = surface.bore.temperature[window.first : window.first + window.knots]
         outer = on_rows(window, window.value, knots)
         c, a = surface.skirt.temperature.shape

@@ -305,14 +305,14 @@ class _Assembly:
                 faces.setdefault(name, triangles)
         instances = self._instances()  # before and instead of sets with their names
         return Deck(
-            np.vstack([np.zeros((0, 3)), *(part.points() for part in self.parts)]),
-            tetrahedra(tets),
-            {name: np.unique(rows).astype(int) for name, rows in tables["NSET"].items()},
-            {name: np.array(rows, dtype=int).reshape(-1, 3) for name, rows in faces.items()},
-            np.array(labels),
-            Counter(others.values()),
-            parts_of(instances | tables["ELSET"] | instances, solids, others),
-            self._materials(solids),
+            points=np.vstack([np.zeros((0, 3)), *(part.points() for part in self.parts)]),
+            tets=tetrahedra(tets),
+            node_sets={name: np.unique(rows).astype(int) for name, rows in tables["NSET"].items()},
+            faces={name: np.array(rows, dtype=int).reshape(-1, 3) for name, rows in faces.items()},
+            labels=np.array(labels),
+            other=Counter(others.values()),
+            parts=parts_of(instances | tables["ELSET"] | instances, solids, others),
+            materials=self._materials(solids),
             faults=faults,
         )
 

@@ -233,12 +233,21 @@ def _elements(lines: Iterator[str], solid: bool, body: str) -> Iterator[Element]
     for row in rows:
         if not solid:
             label, kind, _, material, _, *nodes = row
-            yield Element(label, str(kind), material, nodes, solid, body)
+            yield Element(
+                label=label, kind=str(kind), material=material, nodes=nodes, solid=solid, body=body
+            )
             continue
         material, kind, _, _, _, _, _, _, count, _, label, *nodes = row
         while len(nodes) < count:
             nodes += next(rows)
-        yield Element(label, str(kind), material, nodes[:count], solid, body)
+        yield Element(
+            label=label,
+            kind=str(kind),
+            material=material,
+            nodes=nodes[:count],
+            solid=solid,
+            body=body,
+        )
 
 
 def _rows(lines: Iterator[str], width: int, most: int | None = None) -> Iterator[list[int]]:

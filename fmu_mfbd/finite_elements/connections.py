@@ -129,8 +129,8 @@ def _coincident(points, outer):
     near = COINCIDENT * float(edges.min())
     pairs = KDTree(corner.mean(axis=1)).query_pairs(near, output_type="ndarray")
     one, other = corner[pairs[:, 0]], corner[pairs[:, 1]]
-    apart = np.linalg.norm(one[:, :, None] - other[:, None], axis=3).min(axis=2).max(axis=1)
-    pairs = pairs[apart < 2 * near]
+    distance = np.linalg.norm(one[:, :, None] - other[:, None], axis=3).min(axis=2).max(axis=1)
+    pairs = pairs[distance < 2 * near]
     if not len(pairs):
         return []
     return [

@@ -140,13 +140,16 @@ def _deck(labels, points, blocks, names):
                 parts.setdefault(name, []).extend(members)
                 others.setdefault(name, Counter())[kind] += 0 if solid else len(rows)
     return Deck(
-        points,
-        tetrahedra(tets),
-        {},
-        {name: np.concatenate(rows) for name, rows in faces.items()},
-        labels,
-        other,
-        {name: Selection(np.array(rows, dtype=int), +others[name]) for name, rows in parts.items()},
+        points=points,
+        tets=tetrahedra(tets),
+        node_sets={},
+        faces={name: np.concatenate(rows) for name, rows in faces.items()},
+        labels=labels,
+        other=other,
+        parts={
+            name: Selection(np.array(rows, dtype=int), +others[name])
+            for name, rows in parts.items()
+        },
         faults={
             name: f"group {name} has no elements; in format 2.2, gmsh needs Mesh.SaveAll = 0"
             for (dimension, _), name in names.items()
@@ -195,12 +198,12 @@ def _elements_22(body, binary):
             table = np.array([row[3 + tags : 3 + tags + nodes] for row in same])
             yield ElementBlock(kind, (group,) if group else (), table)
         return
-    numbers, seen = _Numbers(body, binary), 0
-    while seen < int(count):
+    numbers, count_read = _Numbers(body, binary), 0
+    while count_read < int(count):
         number, elements, tags = numbers.take("i4", 3)
         kind, nodes = _kind(number)
         table = numbers.take("i4", elements * (1 + tags + nodes)).reshape(elements, -1)
-        seen += int(elements)
+        count_read += int(elements)
         groups = table[:, 1] if tags else np.zeros(elements, dtype=int)
         for same in np.split(table, np.flatnonzero(np.diff(groups)) + 1):
             group = int(same[0, 1]) if tags else 0

@@ -170,7 +170,7 @@ def material_of(
             table[key][:] = value
     faults = []
     taken = np.zeros(count, dtype=bool)
-    for one, given in tables.items():
+    for one, entries in tables.items():
         rows = entry(sets.members, one)
         rows = entry(in_file, one) if rows is None else np.isin(np.arange(count), rows)
         if rows is None:
@@ -184,7 +184,7 @@ def material_of(
             )
         taken |= rows
         name[rows] = one
-        for key, value in given.items():
+        for key, value in entries.items():
             if value is not None:
                 table[key][rows] = value
     faults = faults or _faults(name, table, where, sets.length, needed)

@@ -68,7 +68,15 @@ def read_med(path: Path) -> Deck:
         for name, (solids, others) in parts.items()
         if solids or others
     }
-    return Deck(points, tetrahedra(tets), sets, faces_of, labels, other, selections)
+    return Deck(
+        points=points,
+        tets=tetrahedra(tets),
+        node_sets=sets,
+        faces=faces_of,
+        labels=labels,
+        other=other,
+        parts=selections,
+    )
 
 
 def _groups(families, kind):

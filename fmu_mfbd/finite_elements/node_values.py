@@ -200,7 +200,7 @@ class Placement(NamedTuple):
 
 
 def on_mesh(
-    given: NodeValues, mesh: Mesh, placed: Placement, needed: np.ndarray, where: str
+    nodal: NodeValues, mesh: Mesh, placed: Placement, needed: np.ndarray, where: str
 ) -> np.ndarray:
     """Return values at the nodes of a mesh, (n, k), nan at nodes that the file does not have.
 
@@ -209,7 +209,7 @@ def on_mesh(
 
     Parameters
     ----------
-    given : NodeValues
+    nodal : NodeValues
     mesh : Mesh
     placed : Placement
     needed : ndarray of int
@@ -222,15 +222,15 @@ def on_mesh(
     MeshFault
         If a needed node has no value, or a value is not finite.
     """
-    out = np.full((len(mesh.points), given.values.shape[1]), np.nan)
+    out = np.full((len(mesh.points), nodal.values.shape[1]), np.nan)
     size = float(np.ptp(mesh.points, axis=0).max())
-    if given.points is not None:
+    if nodal.points is not None:
         from scipy.spatial import KDTree
 
-        points = to_body_axes(given.points * placed.length, placed.axes, placed.origin)
+        points = to_body_axes(nodal.points * placed.length, placed.axes, placed.origin)
         distance, row = KDTree(points).query(mesh.points)
         near = distance <= APART * size
-        out[near] = given.values[np.asarray(row)[near]]
+        out[near] = nodal.values[np.asarray(row)[near]]
         spans = [
             ", ".join(f"{1e3 * one:.4g}" for one in np.ptp(p, axis=0))
             for p in (points, mesh.points)
@@ -240,10 +240,10 @@ def on_mesh(
             f"{1e3 * distance[needed].max():.3g} mm; the file spans {spans[0]} mm and the mesh "
             f"{spans[1]} mm; check length_unit = {placed.length:g} m, mesh_unit, axes and origin"
         )
-    elif mesh.labels is not None and given.labels is not None:
-        row_of = {label: row for row, label in enumerate(given.labels.tolist())}
+    elif mesh.labels is not None and nodal.labels is not None:
+        row_of = {label: row for row, label in enumerate(nodal.labels.tolist())}
         row = np.array([row_of.get(label, -1) for label in mesh.labels.tolist()])
-        out[row >= 0] = given.values[row[row >= 0]]
+        out[row >= 0] = nodal.values[row[row >= 0]]
         reason = "numbers of nodes as in the mesh file, got others; or give x,y,z"
     else:
         raise MeshFault(f"{where}: expected x,y,z of the nodes, got numbers, which the mesh lacks")
@@ -267,7 +267,7 @@ def _fill_middles(values: np.ndarray, tets: np.ndarray) -> None:
 
 
 def displacement_on(
-    given: NodeValues, mesh: Mesh, placed: Placement, surface: str, needed: np.ndarray, where: str
+    nodal: NodeValues, mesh: Mesh, placed: Placement, surface: str, needed: np.ndarray, where: str
 ) -> np.ndarray:
     """Return displacements at the nodes of a mesh in the body's axes, (n, 3) [m].
 
@@ -277,7 +277,7 @@ def displacement_on(
 
     Parameters
     ----------
-    given, mesh, placed, needed, where
+    nodal, mesh, placed, needed, where
         As for `on_mesh`.
     surface : str
         Film surface.
@@ -287,7 +287,7 @@ def displacement_on(
     MeshFault
         As for `on_mesh`, and if the deformation is out of range.
     """
-    u = on_mesh(given, mesh, placed, needed, where) * placed.length @ axes_matrix(placed.axes).T
+    u = on_mesh(nodal, mesh, placed, needed, where) * placed.length @ axes_matrix(placed.axes).T
     nodes = mesh.nodes(surface)
     size = float(np.ptp(mesh.points[nodes], axis=0).max())
     rest = without_rigid(mesh.points[nodes], u[nodes])

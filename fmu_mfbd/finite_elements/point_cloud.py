@@ -116,17 +116,17 @@ def triangulate(points: np.ndarray, view: str) -> np.ndarray:
         return np.empty((0, 3), dtype=np.int64)
     corner = flat[triangles]
     sides = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2)
-    kept = sides.max(axis=1) <= 4.0 * np.median(sides)
+    chosen = sides.max(axis=1) <= 4.0 * np.median(sides)
     if view != FROM_ABOVE:
         turn = corner[:, :, 0].mean(axis=1)
         half = np.pi * _radius(points, view)
-        kept &= (turn >= -half) & (turn < half)
+        chosen &= (turn >= -half) & (turn < half)
     first, second, third = corner.swapaxes(0, 1)
     u = second - first
     v = third - first
     clockwise = u[:, 0] * v[:, 1] < u[:, 1] * v[:, 0]
     triangles[clockwise] = triangles[clockwise][:, [0, 2, 1]]
-    return node[triangles[kept]]
+    return node[triangles[chosen]]
 
 
 def _radius(points, view):

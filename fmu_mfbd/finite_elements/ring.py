@@ -62,6 +62,6 @@ def ring_mesh(ring: Ring) -> Mesh:
     )
     faces = outer_faces(tets)
     from_top = np.abs((angle - np.pi / 2 + np.pi) % (2 * np.pi) - np.pi)
-    held = (wall == 1.0) & (from_top <= ring.arc / 2 + 1e-9)
-    surfaces = {BORE: wall == 0.0, HELD: held}
+    clamped = (wall == 1.0) & (from_top <= ring.arc / 2 + 1e-9)
+    surfaces = {BORE: wall == 0.0, HELD: clamped}
     return Mesh(points, tets, {name: faces[on[faces].all(axis=1)] for name, on in surfaces.items()})

@@ -137,8 +137,8 @@ class Pardiso:
 
 def threads() -> int:
     """Return the number of threads of PARDISO: OMP_NUM_THREADS, default: all processors."""
-    given = next((os.environ[name] for name in THREADS if os.environ.get(name)), "")
-    first = given.partition(",")[0]  # of nested loops the outer one
+    setting = next((os.environ[name] for name in THREADS if os.environ.get(name)), "")
+    first = setting.partition(",")[0]  # of nested loops the outer one
     return int(first) if first.isdigit() and int(first) else os.cpu_count() or 1
 
 

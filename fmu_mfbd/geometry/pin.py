@@ -141,7 +141,14 @@ def pin_surface(
     if axis is None:
         axis = np.zeros((along, 0))
     by_row = np.broadcast_to(np.asarray(clearance, dtype=float), along).copy()
-    return PinSurface(outward, onward, float(radius), by_row, modes, np.ascontiguousarray(axis))
+    return PinSurface(
+        outward=outward,
+        onward=onward,
+        radius=float(radius),
+        clearance=by_row,
+        modes=modes,
+        axis=np.ascontiguousarray(axis),
+    )
 
 
 @compilable
@@ -374,10 +381,10 @@ def resultants_on(
             y += surface.onward[1, i] * drags[i, j] - surface.outward[1, i] * pushes[i, j]
             around_all += drags[i, j]
         row = in_space(axes, pair(x, y))
-        for way in range(2):
-            force[way] += row[way]  # Eq. (G3)
+        for direction in range(2):
+            force[direction] += row[direction]  # Eq. (G3)
             for k in range(n):
-                on_shapes[k, way] += surface.axis[j, k] * row[way]  # Eq. (G8)
+                on_shapes[k, direction] += surface.axis[j, k] * row[direction]  # Eq. (G8)
     on_shell = -surface.radius * around_all
     on_pin = -on_shell - cross(place, force)
     lever = 0.0

@@ -11,4 +11,14 @@ equations    residual (D)
 derivative   its tangent (D)
 solution     accelerations that fulfil the equations (N)
 cylinder     the chain of a piston with its pin, tied or floating, rod and crank (K)
+slider_crank       rigid crank and rod (K)
+floating_frame     integrals of a flexible body
+carrier            acceleration of the block's frame (K)
+generalised_alpha  time integration
+bdf2               integration of a pin on films and of the modes that support it
+impact             memory of a step that stopped the piston
+modal_damping      springs and dampers of modes, and which have inertia (I)
+pin_friction       between piston and pin
+piston_motion      coordinates and load of the piston
+elimination        small systems of linear equations (N)
 """

@@ -8,8 +8,8 @@ motion, derivative of the motion, row of the residual, derivative of the row.
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.floating_frame import TURN, X, Y
 from .chain import IN_PARENT
+from .floating_frame import TURN, X, Y
 from .translations import sliding_of, way_of
 
 
@@ -22,8 +22,8 @@ def put_angle(joints, b, now, drive, at):
                 chi'' = (x'' - x_T'' + (R u'')_x - 2 chi' (R u')_y - chi'^2 (R h)_x)/(R h)_y
                 of a rod with its origin at x and its tip at x_T, linear in the coordinates
     """
-    held = joints.held[b]
-    if held < 0:
+    tip_body = joints.tip_body[b]
+    if tip_body < 0:
         angle = joints.driven[b] * drive.angle
         at.velocity[b, TURN] = joints.driven[b] * drive.speed
         at.acceleration[b, TURN] = joints.driven[b] * drive.acceleration
@@ -40,8 +40,8 @@ def put_angle(joints, b, now, drive, at):
         v += joints.tip[b, j] * now.velocity[j]
         a += joints.tip[b, j] * now.acceleration[j]
     # Eq. (K42)
-    own = sliding_of(joints, held, IN_PARENT, now)
-    across, length = joints.marker[held, X] + own.x, joints.marker[held, Y] + own.y
+    own = sliding_of(joints, tip_body, IN_PARENT, now)
+    across, length = joints.marker[tip_body, X] + own.x, joints.marker[tip_body, Y] + own.y
     reach = np.sqrt(length * length + across * across)
     c, s = length / reach, across / reach
     sine = (at.position[b, X] - x) / reach
@@ -59,20 +59,20 @@ def put_angle(joints, b, now, drive, at):
 @compilable
 def put_angle_changes(joints, b, at, by, d):
     """Write the change of the angle of body b with all unknowns of joints into `d`."""
-    k, held = joints.angle[b], joints.held[b]
-    if held < 0:
+    k, tip_body = joints.angle[b], joints.tip_body[b]
+    if tip_body < 0:
         if k >= 0:
             d.position[b, TURN, k] = by.position[k]
             d.velocity[b, TURN, k] = by.velocity[k]
             d.acceleration[b, TURN, k] = by.acceleration[k]
         return
-    along, aside = at.arm[held, Y], -at.arm[held, X]
+    along, aside = at.arm[tip_body, Y], -at.arm[tip_body, X]
     w, alpha = at.velocity[b, TURN], at.acceleration[b, TURN]
-    vx, vy, _, ay = at.sliding[held]
+    vx, vy, _, ay = at.sliding[tip_body]
     for j in range(joints.tip.shape[1]):
         # Eq. (K42)
         tip, ex, ey = joints.tip[b, j], 0.0, 0.0
-        for i in range(joints.first_slide[held], joints.first_slide[held + 1]):
+        for i in range(joints.first_slide[tip_body], joints.first_slide[tip_body + 1]):
             if joints.slide[i] == j and joints.turns[i] == IN_PARENT:
                 ex, ey = way_of(joints, i, b, at)
         dx, dv, da = (ex - tip) * by.position[j], (ex - tip) * by.velocity[j], 0.0
@@ -93,12 +93,12 @@ def add_angle_row(joints, b, at, moment, force, residual):
 
     A rod is held at its tip: the force there is added to `force` of the rod.
     """
-    held = joints.held[b]
-    if held >= 0:
-        push = moment / at.arm[held, Y]
+    tip_body = joints.tip_body[b]
+    if tip_body >= 0:
+        push = moment / at.arm[tip_body, Y]
         for j in range(joints.tip.shape[1]):
             residual[j] -= joints.tip[b, j] * push
-        for k in range(joints.first_slide[held], joints.first_slide[held + 1]):
+        for k in range(joints.first_slide[tip_body], joints.first_slide[tip_body + 1]):
             if joints.turns[k] == IN_PARENT:
                 x, _ = way_of(joints, k, b, at)
                 residual[joints.slide[k]] += x * push
@@ -113,7 +113,7 @@ def add_angle_row(joints, b, at, moment, force, residual):
 def add_angle_row_changes(joints, b, at, force, d, change, top, torque):
     """Add the derivative of `add_angle_row` to that of the rows, `top`, and of the torque."""
     columns = change.shape[2]
-    if joints.held[b] >= 0:
+    if joints.tip_body[b] >= 0:
         _add_tip_changes(joints, b, at, force, d, change, top)
         return
     if joints.driven[b] != 0.0:
@@ -128,14 +128,14 @@ def add_angle_row_changes(joints, b, at, force, d, change, top, torque):
 @compilable
 def _add_tip_changes(joints, b, at, force, d, change, top):
     """Add the derivative of the force that holds the tip of a rod."""
-    columns, held = change.shape[2], joints.held[b]
-    along, push = at.arm[held, Y], np.empty(change.shape[2])
+    columns, tip_body = change.shape[2], joints.tip_body[b]
+    along, push = at.arm[tip_body, Y], np.empty(change.shape[2])
     by_length = force[b, TURN] / (along * along)
     for j in range(columns):
         push[j] = change[b, TURN, j] / along
     for j in range(d.position.shape[2]):
-        push[j] -= by_length * at.arm[held, X] * d.position[b, TURN, j]
-    for k in range(joints.first_slide[held], joints.first_slide[held + 1]):
+        push[j] -= by_length * at.arm[tip_body, X] * d.position[b, TURN, j]
+    for k in range(joints.first_slide[tip_body], joints.first_slide[tip_body + 1]):
         if joints.turns[k] == IN_PARENT and joints.slide[k] < columns:
             _, y = way_of(joints, k, b, at)
             push[joints.slide[k]] -= by_length * y * d.by.position[joints.slide[k]]
@@ -146,7 +146,7 @@ def _add_tip_changes(joints, b, at, force, d, change, top):
         if tip != 0.0:
             for j in range(columns):
                 top[i, j] -= tip * push[j]
-    for k in range(joints.first_slide[held], joints.first_slide[held + 1]):
+    for k in range(joints.first_slide[tip_body], joints.first_slide[tip_body + 1]):
         if joints.turns[k] == IN_PARENT:
             i = joints.slide[k]
             x, y = way_of(joints, k, b, at)

@@ -14,8 +14,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.pin_friction import PinFriction
 from ..geometry.arrays import Matrix, Numbers, Vector
+from .pin_friction import PinFriction
 
 BLOCK = -1
 """Number of the block among the bodies."""
@@ -82,13 +82,13 @@ class Joints(NamedTuple):
     slide, turns : ndarray, shape (t,)
         Coordinate of each slide, the displacement for a direction of length 1 [m], and `IN_PARENT`
         if the direction turns with the parent, else `IN_BLOCK`.
-    way : ndarray, shape (t, 2)
+    direction : ndarray, shape (t, 2)
         Direction [-].
     marker : ndarray, shape (n, 2)
         Position of the joint in the parent's axes [m].
     driven : ndarray, shape (n,)
         1 if the drive's angle is added to that of the body, else 0 [-].
-    held : ndarray, shape (n,)
+    tip_body : ndarray, shape (n,)
         Number of the body at the tip of a rod that swings, `NONE` of any other body. The angle of
         the rod follows from x of its tip, which is within 90 deg of y of the block.
     offset : ndarray, shape (n,)
@@ -104,10 +104,10 @@ class Joints(NamedTuple):
     first_slide: Numbers
     slide: Numbers
     turns: Numbers
-    way: Matrix
+    direction: Matrix
     marker: Matrix
     driven: Vector
-    held: Numbers
+    tip_body: Numbers
     offset: Vector
     tip: Matrix
     friction: Matrix
@@ -229,9 +229,9 @@ def put_tips(joints: Joints, guide: np.ndarray) -> None:
         while b >= 0:
             for k in range(joints.first_slide[b], joints.first_slide[b + 1]):
                 if joints.turns[k] == IN_BLOCK:
-                    row[joints.slide[k]] -= joints.way[k, 0]  # Eq. (K66)
+                    row[joints.slide[k]] -= joints.direction[k, 0]  # Eq. (K66)
             p = joints.parent[b]
-            if p >= 0 and joints.held[p] == b:
+            if p >= 0 and joints.tip_body[p] == b:
                 row[guide[g]] += 1.0
                 for j in range(len(row)):
                     joints.tip[p, j] = row[j]

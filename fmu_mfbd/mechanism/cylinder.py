@@ -17,20 +17,20 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.bdf2 import BY_BDF2, STATIC
-from ..dynamics.carrier import FIXED
-from ..dynamics.floating_frame import Arrow, FlexibleBody, X, Y
-from ..dynamics.generalised_alpha import Motion
-from ..dynamics.modal_damping import ModalSprings
-from ..dynamics.pin_friction import put_pin_friction
-from ..dynamics.piston_motion import LATERAL, RIGID, ROCKING
-from ..dynamics.slider_crank import CrankMotion, Mechanism
 from ..geometry.pin import PIN_SURFACES
+from .bdf2 import BY_BDF2, STATIC
+from .carrier import FIXED
 from .chain import BLOCK, IN_BLOCK, NONE, Bodies, Chain, Elements, Joints, Laws, put_tips
 from .derivative import chain_derivative
 from .equations import chain_forces
+from .floating_frame import Arrow, FlexibleBody, X, Y
+from .generalised_alpha import Motion
 from .loads import no_loads
+from .modal_damping import ModalSprings
 from .motion import Increments
+from .pin_friction import put_pin_friction
+from .piston_motion import LATERAL, RIGID, ROCKING
+from .slider_crank import CrankMotion, Mechanism
 
 NO_ELEMENTS = np.zeros(0, np.int64)
 EYE = PIN_SURFACES.index("small_end")
@@ -96,20 +96,20 @@ class FreeSlides(NamedTuple):
     ----------
     acts : ndarray, shape (r,)
         Number in `force_elements.element.BODIES` of the body that hangs on the joint.
-    turns, way
+    turns, direction
         As of `chain.Joints`.
     """
 
     acts: np.ndarray
     turns: np.ndarray
-    way: np.ndarray
+    direction: np.ndarray
 
 
 NO_SLIDES = FreeSlides(NO_ELEMENTS, NO_ELEMENTS, np.zeros((0, 2)))
 
 
 class CylinderParts(NamedTuple):
-    """What the chain of a cylinder is made of.
+    """Parts of the chain of a cylinder.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ def cylinder_chain(c: CylinderParts) -> Chain:
     joints = _joints_of(c, plays)
     elements = _elements_of(c, plays, joints.tip.shape[1])
     laws = _put_laws(c, elements)
-    return Chain(_bodies_of(c, 1.0), joints, elements, laws)
+    return Chain(bodies=_bodies_of(c, 1.0), joints=joints, elements=elements, laws=laws)
 
 
 @compilable
@@ -242,7 +242,7 @@ def _joints_of(c, plays):
     piston = n - 1
     parent, angle = np.full(n, BLOCK), np.full(n, NONE)
     marker, driven, offset = np.zeros((n, 2)), np.zeros(n), np.zeros(n)
-    held, guide = np.full(n, NONE), np.full(n, NONE)
+    tip_body, guide = np.full(n, NONE), np.full(n, NONE)
     for b in range(1, n):
         parent[b] = b - 1
     angle[piston] = ROCKING
@@ -250,11 +250,11 @@ def _joints_of(c, plays):
         angle[BODY.pin] = PIN.spin
     driven[BODY.crank] = 1.0
     marker[BODY.rod, Y], marker[BODY.rod + 1, Y] = c.mechanism.crank_radius, c.mechanism.rod_length
-    held[BODY.rod], guide[piston], offset[piston] = BODY.rod + 1, LATERAL, c.mechanism.offset
+    tip_body[BODY.rod], guide[piston], offset[piston] = BODY.rod + 1, LATERAL, c.mechanism.offset
     friction = np.zeros((n, 3))
     if not c.floats:
         put_pin_friction(friction[piston], c.mechanism.friction)
-    first, slide, turns, way = _slides_of(c.slides, plays)
+    first, slide, turns, direction = _slides_of(c.slides, plays)
     size = RIGID + len(slide) + c.floats
     out = Joints(
         parent=parent,
@@ -262,10 +262,10 @@ def _joints_of(c, plays):
         first_slide=first,
         slide=slide,
         turns=turns,
-        way=way,
+        direction=direction,
         marker=marker,
         driven=driven,
-        held=held,
+        tip_body=tip_body,
         offset=offset,
         tip=np.zeros((n, size)),
         friction=friction,
@@ -279,7 +279,11 @@ def _slides_of(free, plays):
     """Return the first slide of each joint, and coordinate, axes and direction of all slides."""
     n, size = len(plays), RIGID + (1 if len(plays) > BODY.pin + 1 else 0)
     most = 2 * n + len(free.acts)
-    first, slide, way = np.zeros(n + 1, np.int64), np.empty(most, np.int64), np.zeros((most, 2))
+    first, slide, direction = (
+        np.zeros(n + 1, np.int64),
+        np.empty(most, np.int64),
+        np.zeros((most, 2)),
+    )
     turns = np.full(most, IN_BLOCK)
     for b in range(n):
         size += 2 if plays[b] >= 0 else 0
@@ -291,16 +295,16 @@ def _slides_of(free, plays):
                 if min(free.acts[i], n - 1) == b:
                     j = first[b + 1]
                     slide[j], turns[j] = size + i, free.turns[i]
-                    way[j, X], way[j, Y] = free.way[i, X], free.way[i, Y]
+                    direction[j, X], direction[j, Y] = free.direction[i, X], free.direction[i, Y]
                     first[b + 1] = j + 1
         else:
             # Eqs. (K16), (K25)
             sign = -1.0 if b == n - 1 or b == BODY.rod else 1.0
             slide[k], slide[k + 1] = plays[b], plays[b] + 1
-            way[k, X], way[k + 1, Y] = sign, sign
+            direction[k, X], direction[k + 1, Y] = sign, sign
             first[b + 1] = k + 2
     last = first[n]
-    return first, slide[:last].copy(), turns[:last].copy(), way[:last].copy()
+    return first, slide[:last].copy(), turns[:last].copy(), direction[:last].copy()
 
 
 @compilable
@@ -443,7 +447,7 @@ def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
     whole = cylinder_chain(c)
     joints, elements = whole.joints, whole.elements
     joints.offset[BODY.rod] = 0.0  # an upright rod
-    chain = Chain(_bodies_of(c, of_rod), joints, elements, whole.laws)
+    chain = Chain(bodies=_bodies_of(c, of_rod), joints=joints, elements=elements, laws=whole.laws)
     m, k = chain.joints.tip.shape[1], len(chain.bodies.stiffness)
     none = np.zeros(m + k)
     still = Motion(none, none, none)

@@ -5,11 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.carrier import FIXED, Carrier
-from ..dynamics.floating_frame import TURN, Arrow, X, Y
-from ..dynamics.generalised_alpha import Motion
-from ..dynamics.slider_crank import CrankMotion
 from .angles import add_angle_row_changes
+from .carrier import FIXED, Carrier
 from .chain import Chain, Loads
 from .equations import (
     ChainForces,
@@ -19,9 +16,12 @@ from .equations import (
     point_of,
     subtract_loads,
 )
+from .floating_frame import TURN, Arrow, X, Y
+from .generalised_alpha import Motion
 from .inertia import inertia_changes, shaken_forces
 from .laws import subtract_law_changes
 from .motion import Increments, MotionChanges, chain_motion, motion_changes, no_changes
+from .slider_crank import CrankMotion
 from .translations import add_slide_row_changes
 
 
@@ -217,7 +217,7 @@ class PushedForces(NamedTuple):
 
 @compilable
 def pushed_forces(
-    chain: Chain, forces: ChainForces, now: Motion, loads: Loads, given: Carrier
+    chain: Chain, forces: ChainForces, now: Motion, loads: Loads, carrier: Carrier
 ) -> PushedForces:
     """Compute the derivative of all forces in a direction of loads and of a given block's motion.
 
@@ -227,7 +227,7 @@ def pushed_forces(
     forces : ChainForces
     now : Motion
         Of all m + k coordinates.
-    loads, given : Loads, Carrier
+    loads, carrier : Loads, Carrier
         The direction.
 
     Returns
@@ -237,7 +237,7 @@ def pushed_forces(
     at = forces.motion
     n, m = chain.joints.tip.shape
     still = no_changes(chain.joints)
-    inertia = shaken_forces(chain.bodies, at, forces.inertia, still, given)
+    inertia = shaken_forces(chain.bodies, at, forces.inertia, still, carrier)
     total = _total_change(at, forces.inertia.wrench, still, inertia.wrench)
     push, top = np.zeros((n, 3)), np.zeros((m, 1))
     subtract_loads(chain.elements, loads.wrench, at, push)

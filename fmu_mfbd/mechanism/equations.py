@@ -5,19 +5,19 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.carrier import Carrier
-from ..dynamics.floating_frame import TURN, X, Y
-from ..dynamics.generalised_alpha import Motion
-from ..dynamics.pin_friction import PinMoment, friction_moment, pin_friction_from
-from ..dynamics.slider_crank import CrankMotion
 from ..geometry.arrays import Matrix, Vector
 from .angles import add_angle_row
+from .carrier import Carrier
 from .chain import LEVER, VISCOUS, Chain, Elements, Joints, Loads
+from .floating_frame import TURN, X, Y
+from .generalised_alpha import Motion
 from .inertia import (
     InertiaForces,
     inertia_forces,
 )
 from .motion import ChainMotion, chain_motion
+from .pin_friction import PinMoment, friction_moment, pin_friction_from
+from .slider_crank import CrankMotion
 from .translations import add_slide_rows
 
 
@@ -50,15 +50,15 @@ class ChainForces(NamedTuple):
 
 @compilable
 def chain_forces(
-    chain: Chain, loads: Loads, now: Motion, drive: CrankMotion, given: Carrier
+    chain: Chain, loads: Loads, now: Motion, drive: CrankMotion, carrier: Carrier
 ) -> ChainForces:
     """Compute the motion of all bodies, and by it the residual of `forces_at`."""
-    return forces_at(chain, loads, chain_motion(chain.joints, now, drive), now, given)
+    return forces_at(chain, loads, chain_motion(chain.joints, now, drive), now, carrier)
 
 
 @compilable
 def forces_at(
-    chain: Chain, loads: Loads, at: ChainMotion, now: Motion, given: Carrier
+    chain: Chain, loads: Loads, at: ChainMotion, now: Motion, carrier: Carrier
 ) -> ChainForces:
     """Compute the residual of the equations of motion.
 
@@ -81,7 +81,7 @@ def forces_at(
     at : ChainMotion
     now : Motion
         Of all m + k coordinates.
-    given : Carrier
+    carrier : Carrier
         Motion of the block.
 
     Returns
@@ -89,7 +89,7 @@ def forces_at(
     ChainForces
     """
     m = chain.joints.tip.shape[1]
-    inertia = inertia_forces(chain.bodies, at, now, given, m)
+    inertia = inertia_forces(chain.bodies, at, now, carrier, m)
     residual = np.zeros(len(now.position))
     for i in range(len(loads.modal)):
         residual[m + i] = inertia.modal[i] - loads.modal[i]
@@ -107,7 +107,9 @@ def forces_at(
     total[TURN] -= torque
     for i in range(3):
         total[i] = -total[i]  # Eq. (D63)
-    return ChainForces(residual, torque, total, force, at, inertia)
+    return ChainForces(
+        residual=residual, torque=torque, on_block=total, joints=force, motion=at, inertia=inertia
+    )
 
 
 @compilable

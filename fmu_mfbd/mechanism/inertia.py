@@ -10,17 +10,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compilable
-from ..dynamics.carrier import FIXED, Carrier, transport
-from ..dynamics.floating_frame import TURN, X, Y
-from ..dynamics.generalised_alpha import Motion
+from ...master.fmi.compiled import compilable, numbered
 from ..geometry.arrays import Matrix, Vector
+from .carrier import FIXED, Carrier, transport
 from .chain import Bodies
+from .floating_frame import TURN, X, Y
+from .generalised_alpha import Motion
 from .motion import ChainMotion, Increments, MotionChanges
 
-AX, AY, ALPHA, W, SX, SY, TX, TY, INERTIA, SPIN = range(10)
+ROW = numbered("ax", "ay", "alpha", "w", "sx", "sy", "tx", "ty", "inertia", "spin")
 """Places in a row of `InertiaForces.frames`."""
-MODAL, BQ, GQ, GV = range(4)
+MODE = numbered("push", "bq", "gq", "gv")
 """Rows of the tables of modes in `InertiaForces`."""
 
 
@@ -98,7 +98,18 @@ class InertiaChanges(NamedTuple):
 def frame_state(frames: np.ndarray, b: int) -> FrameState:
     """Return the state of the frame of body b."""
     f = frames[b]
-    return FrameState(f[AX], f[AY], f[ALPHA], f[W], f[SX], f[SY], f[TX], f[TY], f[INERTIA], f[SPIN])
+    return FrameState(
+        ax=f[ROW.ax],
+        ay=f[ROW.ay],
+        alpha=f[ROW.alpha],
+        w=f[ROW.w],
+        sx=f[ROW.sx],
+        sy=f[ROW.sy],
+        tx=f[ROW.tx],
+        ty=f[ROW.ty],
+        inertia=f[ROW.inertia],
+        spin=f[ROW.spin],
+    )
 
 
 @compilable
@@ -147,7 +158,15 @@ def inertia_forces(
     n, k = len(bodies.mass), len(bodies.stiffness)
     rows = np.empty((4, k))
     wrench, frames = np.empty((n, 3)), np.empty((n, 10))
-    out = InertiaForces(wrench, rows[MODAL], frames, rows[BQ], rows[GQ], rows[GV], carrier)
+    out = InertiaForces(
+        wrench=wrench,
+        modal=rows[MODE.push],
+        frames=frames,
+        bq=rows[MODE.bq],
+        gq=rows[MODE.gq],
+        gv=rows[MODE.gv],
+        carrier=carrier,
+    )
     _put_frames(bodies, at, now, m, out)
     _put_forces(bodies, at, now, m, out)
     return out
@@ -171,11 +190,12 @@ def _put_frames(bodies, at, now, m, out):
         ay += at.acceleration[b, Y]
         c, s = at.axes[b, 0], at.axes[b, 1]
         frame = out.frames[b]
-        frame[AX], frame[AY] = c * ax + s * ay, c * ay - s * ax
-        frame[ALPHA] = at.acceleration[b, TURN] + carrier.alpha
-        frame[W] = at.velocity[b, TURN] + carrier.w
-        frame[SX], frame[SY], frame[INERTIA] = bodies.S[b, X], bodies.S[b, Y], bodies.I0[b]
-        frame[TX], frame[TY], frame[SPIN] = 0.0, 0.0, 0.0
+        frame[ROW.ax], frame[ROW.ay] = c * ax + s * ay, c * ay - s * ax
+        frame[ROW.alpha] = at.acceleration[b, TURN] + carrier.alpha
+        frame[ROW.w] = at.velocity[b, TURN] + carrier.w
+        frame[ROW.sx], frame[ROW.sy] = bodies.S[b, X], bodies.S[b, Y]
+        frame[ROW.inertia] = bodies.I0[b]
+        frame[ROW.tx], frame[ROW.ty], frame[ROW.spin] = 0.0, 0.0, 0.0
         begin, end = bodies.first_mode[b], bodies.first_mode[b + 1]
         if end > begin:
             _add_modes(bodies, b, begin, end, now, m, frame, out)
@@ -197,12 +217,12 @@ def _add_modes(bodies, b, begin, end, now, m, frame, out):
         bq[i] = bodies.b[begin + i] + by_position[i]
         out.gq[begin + i] = bodies.g[begin + i] + by_position[k + i]
         out.gv[begin + i] = by_velocity[i]
-    frame[SX] += by_x @ q
-    frame[SY] += by_y @ q
-    frame[TX] += by_x @ v
-    frame[TY] += by_y @ v
-    frame[INERTIA] += bodies.b[begin:end] @ q + bq @ q
-    frame[SPIN] += bq @ v
+    frame[ROW.sx] += by_x @ q
+    frame[ROW.sy] += by_y @ q
+    frame[ROW.tx] += by_x @ v
+    frame[ROW.ty] += by_y @ v
+    frame[ROW.inertia] += bodies.b[begin:end] @ q + bq @ q
+    frame[ROW.spin] += bq @ v
 
 
 @compilable
@@ -224,17 +244,17 @@ def _put_forces(bodies, at, now, m, out):
             # Eq. (D3)
             push = bodies.T[X, i] * f.ax + bodies.T[Y, i] * f.ay + f.alpha * gq
             push += 2 * w * out.gv[i] - w2 * out.bq[i]
-            held = bodies.damping[i] * now.velocity[m + i]
-            held += bodies.stiffness[i] * now.position[m + i]
-            out.modal[i] = push + a + held
+            spring = bodies.damping[i] * now.velocity[m + i]
+            spring += bodies.stiffness[i] * now.position[m + i]
+            out.modal[i] = push + a + spring
         c, s = at.axes[b, 0], at.axes[b, 1]
         out.wrench[b, X] = c * x - s * y
         out.wrench[b, Y] = s * x + c * y
         out.wrench[b, TURN] = moment
     for i in range(bodies.first_mode[-1], len(out.modal)):
         # Eq. (D40)
-        held = bodies.damping[i] * now.velocity[m + i] + bodies.stiffness[i] * now.position[m + i]
-        out.modal[i] = now.acceleration[m + i] + held
+        spring = bodies.damping[i] * now.velocity[m + i] + bodies.stiffness[i] * now.position[m + i]
+        out.modal[i] = now.acceleration[m + i] + spring
     f = frame_state(out.frames, len(bodies.mass) - 1)
     for i in range(bodies.first_mode[-1], len(bodies.b)):
         # Eq. (D6)
@@ -310,7 +330,7 @@ def _frame_changes(at, forces, d, shaken):
     for b in range(n):
         c, s = at.axes[b, 0], at.axes[b, 1]
         x, y, vx, vy = at.position[b, X], at.position[b, Y], at.velocity[b, X], at.velocity[b, Y]
-        ax, ay = forces.frames[b, AX], forces.frames[b, AY]
+        ax, ay = forces.frames[b, ROW.ax], forces.frames[b, ROW.ay]
         for j in range(m):
             # Eq. (K14)
             px, py = d.position[b, X, j], d.position[b, Y, j]
@@ -319,10 +339,10 @@ def _frame_changes(at, forces, d, shaken):
             dx += shaken.ax - da * y - 2 * dw * (w * x + vy)
             dy += shaken.ay + da * x - 2 * dw * (w * y - vx)
             t = d.position[b, TURN, j]  # the axes turn
-            out[b, AX, j] = c * dx + s * dy + ay * t
-            out[b, AY, j] = c * dy - s * dx - ax * t
-            out[b, ALPHA, j] = d.acceleration[b, TURN, j] + da
-            out[b, W, j] = d.velocity[b, TURN, j] + dw
+            out[b, ROW.ax, j] = c * dx + s * dy + ay * t
+            out[b, ROW.ay, j] = c * dy - s * dx - ax * t
+            out[b, ROW.alpha, j] = d.acceleration[b, TURN, j] + da
+            out[b, ROW.w, j] = d.velocity[b, TURN, j] + dw
     return out
 
 
@@ -336,8 +356,8 @@ def _put_joint_columns(bodies, at, forces, d, shaken, out):
         mass, w = bodies.mass[b], f.w
         force_x, force_y = forces.wrench[b, X], forces.wrench[b, Y]
         for j in range(frames.shape[2]):
-            ax, ay = frames[b, AX, j], frames[b, AY, j]
-            alpha, dw = frames[b, ALPHA, j], frames[b, W, j]
+            ax, ay = frames[b, ROW.ax, j], frames[b, ROW.ay, j]
+            alpha, dw = frames[b, ROW.alpha, j], frames[b, ROW.w, j]
             t = d.position[b, TURN, j]
             # Eqs. (D1), (D2)
             x = mass * ax - alpha * f.sy - 2 * dw * (w * f.sx + f.ty)
@@ -352,8 +372,10 @@ def _put_joint_columns(bodies, at, forces, d, shaken, out):
             spun = 2 * (forces.gv[i] - w * forces.bq[i])
             for j in range(frames.shape[2]):
                 # Eq. (D3)
-                by_frame = x * frames[b, AX, j] + y * frames[b, AY, j]
-                out.left[i, j] = by_frame + gq * frames[b, ALPHA, j] + spun * frames[b, W, j]
+                by_frame = x * frames[b, ROW.ax, j] + y * frames[b, ROW.ay, j]
+                out.left[i, j] = (
+                    by_frame + gq * frames[b, ROW.alpha, j] + spun * frames[b, ROW.w, j]
+                )
 
 
 @compilable
@@ -386,5 +408,5 @@ def _put_modal_columns(bodies, at, now, m, forces, by, out):
     for i in range(bodies.first_mode[-1], len(out.diagonal)):
         j = m + i
         # Eq. (D40)
-        held = by.velocity[j] * bodies.damping[i] + by.position[j] * bodies.stiffness[i]
-        out.diagonal[i] = by.acceleration[j] + held
+        spring = by.velocity[j] * bodies.damping[i] + by.position[j] * bodies.stiffness[i]
+        out.diagonal[i] = by.acceleration[j] + spring

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, packed
-from ..dynamics.floating_frame import TURN, X, Y
 from ..force_elements import FORCE_ELEMENTS
 from ..force_elements.element import PointForce, PointMotion
 from .chain import BLOCK, Chain, Elements, Loads
 from .equations import point_of
+from .floating_frame import TURN, X, Y
 from .motion import ChainMotion, MotionChanges
 
 RATES = 3
@@ -67,7 +67,7 @@ def relative_motion(elements: Elements, at: ChainMotion, e: int) -> RelativeMoti
         x, y = x - at.position[other, X], y - at.position[other, Y]
         w = at.velocity[other, TURN]
         vx, vy = vx - at.velocity[other, X] + w * y, vy - at.velocity[other, Y] - w * x
-    return RelativeMotion(arm_x, arm_y, x, y, vx, vy)
+    return RelativeMotion(arm_x=arm_x, arm_y=arm_y, x=x, y=y, vx=vx, vy=vy)
 
 
 @compilable
@@ -100,13 +100,13 @@ def add_laws(chain: Chain, at: ChainMotion, crank_angle: float, loads: Loads) ->
         cosine, sine = at.axes[a, 0], at.axes[a, 1]
         # Eq. (D67)
         motion = PointMotion(
-            c * own.x + s * own.y - laws.zero[k, X],
-            c * own.y - s * own.x - laws.zero[k, Y],
-            np.arctan2(sine * c - cosine * s, cosine * c + sine * s),
-            c * own.vx + s * own.vy,
-            c * own.vy - s * own.vx,
-            spin,
-            crank_angle,
+            x=c * own.x + s * own.y - laws.zero[k, X],
+            y=c * own.y - s * own.x - laws.zero[k, Y],
+            angle=np.arctan2(sine * c - cosine * s, cosine * c + sine * s),
+            vx=c * own.vx + s * own.vy,
+            vy=c * own.vy - s * own.vx,
+            spin=spin,
+            crank_angle=crank_angle,
         )
         force = force_of(laws.kind[k], laws.numbers[k], motion)
         loads.wrench[e, X], loads.wrench[e, Y] = (
@@ -129,9 +129,9 @@ def _put_slopes(laws, k, motion, axes, slopes):
             x, y = s, c
         else:
             turn = 1.0
-        by = PointMotion(x, y, turn, 0.0, 0.0, 0.0, 0.0)
+        by = PointMotion(x=x, y=y, angle=turn, vx=0.0, vy=0.0, spin=0.0, crank_angle=0.0)
         if j >= RATES:
-            by = PointMotion(0.0, 0.0, 0.0, x, y, turn, 0.0)
+            by = PointMotion(x=0.0, y=0.0, angle=0.0, vx=x, vy=y, spin=turn, crank_angle=0.0)
         change = change_of(laws.kind[k], laws.numbers[k], motion, by)
         slopes[X, j] = c * change.x - s * change.y
         slopes[Y, j] = s * change.x + c * change.y

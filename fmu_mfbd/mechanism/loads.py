@@ -5,17 +5,17 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.floating_frame import X, Y
-from ..dynamics.generalised_alpha import Motion
 from .chain import Chain, Loads
 from .equations import moment_of_shapes, point_of
+from .floating_frame import X, Y
+from .generalised_alpha import Motion
 from .motion import ChainMotion
 
 MOMENT, REACTION = 2, 3
 """Columns of `Loads.wrench` after the force."""
 
 
-class HeldForces(NamedTuple):
+class AppliedForces(NamedTuple):
     """Forces of e elements, each in the axes that it turns with.
 
     Parameters
@@ -40,7 +40,7 @@ class HeldForces(NamedTuple):
 
 
 @compilable
-def no_forces(chain: Chain) -> HeldForces:
+def no_forces(chain: Chain) -> AppliedForces:
     """Return forces of zero."""
     n = len(chain.elements.acts)
     slopes, shapes = 0, 0
@@ -49,7 +49,7 @@ def no_forces(chain: Chain) -> HeldForces:
         shapes = max(shapes, chain.elements.shapes[e])
     modal = np.zeros(len(chain.bodies.stiffness))
     on_shapes = np.zeros((n, shapes, 2))
-    return HeldForces(np.zeros((n, 2)), np.zeros(n), modal, np.zeros(slopes), on_shapes)
+    return AppliedForces(np.zeros((n, 2)), np.zeros(n), modal, np.zeros(slopes), on_shapes)
 
 
 @compilable
@@ -61,7 +61,7 @@ def no_loads(chain: Chain) -> Loads:
 
 
 @compilable
-def loads_at(chain: Chain, held: HeldForces, at: ChainMotion, now: Motion) -> Loads:
+def loads_at(chain: Chain, applied: AppliedForces, at: ChainMotion, now: Motion) -> Loads:
     """Return the loads in a motion, linear in the forces. Those of laws are not among them.
 
     Eq. (D65):  M = M_P + d x F + sum_i c_i q_i - sum_k s_k x Q_k,   M_R = -M_P - sum_i c_i q_i
@@ -73,7 +73,7 @@ def loads_at(chain: Chain, held: HeldForces, at: ChainMotion, now: Motion) -> Lo
     Parameters
     ----------
     chain : Chain
-    held : HeldForces
+    applied : AppliedForces
     at : ChainMotion
     now : Motion
 
@@ -83,25 +83,25 @@ def loads_at(chain: Chain, held: HeldForces, at: ChainMotion, now: Motion) -> Lo
     """
     elements = chain.elements
     m = chain.joints.tip.shape[1]
-    wrench, on_shapes = np.empty((len(elements.acts), 4)), np.empty(held.on_shapes.shape)
+    wrench, on_shapes = np.empty((len(elements.acts), 4)), np.empty(applied.on_shapes.shape)
     laws = np.zeros((len(chain.laws.kind), 3, 6))
-    out = Loads(wrench, held.modal.copy(), held.slopes, on_shapes, laws)
+    out = Loads(wrench, applied.modal.copy(), applied.slopes, on_shapes, laws)
     slope = 0
     for e in range(len(wrench)):
         c, s = 1.0, 0.0
         if elements.axes[e] >= 0:
             c, s = at.axes[elements.axes[e], 0], at.axes[elements.axes[e], 1]
-        x = c * held.force[e, X] - s * held.force[e, Y]
-        y = s * held.force[e, X] + c * held.force[e, Y]
+        x = c * applied.force[e, X] - s * applied.force[e, Y]
+        y = s * applied.force[e, X] + c * applied.force[e, Y]
         for k in range(elements.shapes[e]):
-            fx, fy = held.on_shapes[e, k, X], held.on_shapes[e, k, Y]
+            fx, fy = applied.on_shapes[e, k, X], applied.on_shapes[e, k, Y]
             on_shapes[e, k, X], on_shapes[e, k, Y] = c * fx - s * fy, s * fx + c * fy
-            for way in range(2):
-                j = elements.shape[e] + way * elements.shapes[e] + k
-                out.modal[j - m] += on_shapes[e, k, way]
-        moment = held.moment[e]
+            for direction in range(2):
+                j = elements.shape[e] + direction * elements.shapes[e] + k
+                out.modal[j - m] += on_shapes[e, k, direction]
+        moment = applied.moment[e]
         for j in range(elements.mode[e], elements.mode[e] + elements.modes[e]):
-            moment += held.slopes[slope] * now.position[j]
+            moment += applied.slopes[slope] * now.position[j]
             slope += 1
         # Eq. (D65)
         first = elements.play[e]

@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.generalised_alpha import Motion
-from ..dynamics.slider_crank import CrankMotion
 from ..geometry.arrays import Matrix, Vector
 from .angles import put_angle, put_angle_changes
 from .chain import Joints
+from .generalised_alpha import Motion
+from .slider_crank import CrankMotion
 from .translations import put_origin, put_origin_changes
 
 
@@ -95,7 +95,14 @@ def chain_motion(joints: Joints, now: Motion, drive: CrankMotion) -> ChainMotion
     """
     n = len(joints.parent)
     places, rates = np.empty((3, n, 2)), np.zeros((2, n, 3))
-    at = ChainMotion(places[0], places[1], np.empty((n, 4)), places[-1], rates[0], rates[1])
+    at = ChainMotion(
+        axes=places[0],
+        arm=places[1],
+        sliding=np.empty((n, 4)),
+        position=places[-1],
+        velocity=rates[0],
+        acceleration=rates[1],
+    )
     for b in range(n):
         put_origin(joints, b, now, at)
         put_angle(joints, b, now, drive, at)

@@ -10,19 +10,19 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.carrier import Carrier
-from ..dynamics.elimination import LUFactors, factorise, substitute
-from ..dynamics.floating_frame import TURN, Arrow, X, Y
-from ..dynamics.generalised_alpha import Motion, Prediction
-from ..dynamics.slider_crank import CrankMotion
 from ..geometry.arrays import Matrix
+from .carrier import Carrier
 from .chain import LEVER, Bodies, Chain, Loads
 from .derivative import chain_derivative
+from .elimination import LUFactors, factorise, substitute
 from .equations import ChainForces, forces_at, point_of
+from .floating_frame import TURN, Arrow, X, Y
+from .generalised_alpha import Motion, Prediction
 from .inertia import coupling_of, frame_state
 from .laws import add_laws, law_sizes
-from .loads import HeldForces, loads_at
+from .loads import AppliedForces, loads_at
 from .motion import ChainMotion, Increments, chain_motion
+from .slider_crank import CrankMotion
 
 PASSES = 80
 """Most evaluations of the residual; three are usual."""
@@ -94,12 +94,12 @@ class ChainSolution(NamedTuple):
 @compilable
 def solve_motion(
     chain: Chain,
-    held: HeldForces,
+    applied: AppliedForces,
     predicted: Prediction,
     guess: np.ndarray,
     by: Increments,
     drive: CrankMotion,
-    given: Carrier,
+    carrier: Carrier,
 ) -> ChainSolution:
     """Solve for the unknowns at the end of a step that fulfil the equations of motion.
 
@@ -116,14 +116,14 @@ def solve_motion(
     Parameters
     ----------
     chain : Chain
-    held : HeldForces
+    applied : AppliedForces
         Of all elements.
     predicted : Prediction
         With unknowns of zero.
     guess : ndarray, shape (m + k,)
         Unknowns to start from.
     by : Increments
-    drive, given
+    drive, carrier
         As for `chain_forces`.
 
     Returns
@@ -135,10 +135,10 @@ def solve_motion(
     now = Motion(np.empty(n), np.empty(n), np.empty(n))
     _move(now, predicted, by, unknown)
     at = chain_motion(chain.joints, now, drive)
-    loads = loads_at(chain, held, at, now)
+    loads = loads_at(chain, applied, at, now)
     if has_laws:
         add_laws(chain, at, drive.angle, loads)
-    forces = forces_at(chain, loads, at, now, given)
+    forces = forces_at(chain, loads, at, now, carrier)
     slope = chain_derivative(chain, loads, now, forces, by)
     factors = factorise_chain(slope.arrow)
     tangents = 1
@@ -147,17 +147,24 @@ def solve_motion(
     for evaluation in range(1, PASSES):
         if evaluation > 1:
             at = chain_motion(chain.joints, now, drive)
-            loads = loads_at(chain, held, at, now)
+            loads = loads_at(chain, applied, at, now)
             if has_laws:
                 add_laws(chain, at, drive.angle, loads)
-            forces = forces_at(chain, loads, at, now, given)
+            forces = forces_at(chain, loads, at, now, carrier)
             if evaluation == 2:  # it hardly changes any more
                 noise = ROUND_OFF * _noise(chain, loads, now, forces, slope, by)
             if size <= 1e-11 * total + noise:
                 slope = chain_derivative(chain, loads, now, forces, by)
                 factors = factorise_chain(slope.arrow)
                 linear = Linearisation(forces, factors, slope.on_block, loads.law_slopes)
-                return ChainSolution(now, loads, linear, evaluation, tangents + 1, size)
+                return ChainSolution(
+                    now=now,
+                    loads=loads,
+                    linear=linear,
+                    evaluations=evaluation,
+                    tangents=tangents + 1,
+                    change=size,
+                )
         fresh = substitute_chain(factors, forces.residual)
         left = np.sqrt(squared_size(slope.arrow, fresh))
         if evaluation > 1 and left > (1 - share / 4) * size:
@@ -178,7 +185,9 @@ def solve_motion(
             total = np.sqrt(squared_size(slope.arrow, unknown))
         _move(now, predicted, by, unknown)
     linear = Linearisation(forces, factors, slope.on_block, loads.law_slopes)
-    return ChainSolution(now, loads, linear, 0, tangents, size / total)
+    return ChainSolution(
+        now=now, loads=loads, linear=linear, evaluations=0, tangents=tangents, change=size / total
+    )
 
 
 @compilable

@@ -7,9 +7,9 @@ block. What a coordinate means is data (`chain.Slide`): a play in a film, a guid
 from typing import NamedTuple
 
 from ...master.fmi.compiled import compilable
-from ..dynamics.floating_frame import TURN, X, Y
-from ..dynamics.generalised_alpha import Motion
 from .chain import IN_BLOCK, IN_PARENT, Joints
+from .floating_frame import TURN, X, Y
+from .generalised_alpha import Motion
 
 
 class Sliding(NamedTuple):
@@ -34,20 +34,20 @@ def sliding_of(joints: Joints, b: int, axes: int, now: Motion) -> Sliding:
     x, y, vx, vy, ax, ay = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(joints.first_slide[b], joints.first_slide[b + 1]):
         if joints.turns[k] == axes:
-            i, along, aside = joints.slide[k], joints.way[k, X], joints.way[k, Y]
+            i, along, aside = joints.slide[k], joints.direction[k, X], joints.direction[k, Y]
             x += along * now.position[i]
             y += aside * now.position[i]
             vx += along * now.velocity[i]
             vy += aside * now.velocity[i]
             ax += along * now.acceleration[i]
             ay += aside * now.acceleration[i]
-    return Sliding(x, y, vx, vy, ax, ay)
+    return Sliding(x=x, y=y, vx=vx, vy=vy, ax=ax, ay=ay)
 
 
 @compilable
 def way_of(joints: Joints, k: int, p: int, at) -> tuple[float, float]:
     """Return the direction of slide k of a joint on body p in the block's axes [-]."""
-    x, y = joints.way[k, X], joints.way[k, Y]
+    x, y = joints.direction[k, X], joints.direction[k, Y]
     if p < 0 or joints.turns[k] == IN_BLOCK:
         return x, y
     c, s = at.axes[p, 0], at.axes[p, 1]

@@ -10,7 +10,7 @@ from ..finite_elements.mesh import read_mesh
 from ..options import read_options
 from ..reducing import Say, reducing
 from ..reduction.monoblock import Plan, free_block, reduce_monoblock
-from ..reduction.store import contents, kept
+from ..reduction.store import contents, stored_file
 from .options import FREE_MODES, BuildMonoblock
 from .variables import variables
 
@@ -59,7 +59,7 @@ def prepare(
             body = free_block(mesh, material, build.head_mass, build.crank_mass)
             return (reduce_monoblock(body, plan, say),)
 
-        path = kept("monoblock", contents(build), made, cache_folder("bodies"))
+        path = stored_file("monoblock", contents(build), made, cache_folder("bodies"))
     resolved = {
         "file": path.name,
         "cylinders": len(build.cylinder_z),

@@ -83,7 +83,7 @@ class Monoblock(FieldSlave):
     def _shown(self, before: BlockState, now: BlockState, step: float) -> dict[str, Any]:
         """Return the outputs at the end of a step."""
         model = self.model
-        seen = model.seen(now.position, now.velocity, now.acceleration)
+        motions = model.at_cylinders(now.position, now.velocity, now.acceleration)
         kinetic, elastic = model.energies(now)
         on_mounts = model.mounts @ now.position + model.mount_damping @ now.velocity
         rate = now.velocity
@@ -92,11 +92,11 @@ class Monoblock(FieldSlave):
             elastic_energy=elastic,
             mount_power=float(rate @ model.mount_damping @ rate),
             modal_power=float(rate @ (model.modal_damping * rate)),
-            largest_bore_deflection=max(np.abs(one.bore_deflection).max() for one in seen),
+            largest_bore_deflection=max(np.abs(one.bore_deflection).max() for one in motions),
             power_error=model.energy_error(before, now) / step if step > 0.0 else 0.0,
         )
         return {
-            **_told(seen),
+            **_told(motions),
             **_six(("displacement", "rotation"), now.position),
             **_six(("velocity", "rotation_velocity"), now.velocity),
             **_six(("shaking_force", "shaking_moment"), now.force),
@@ -105,11 +105,11 @@ class Monoblock(FieldSlave):
         }
 
 
-def _told(seen: list[CylinderMotion]) -> dict[str, Any]:
+def _told(motions: list[CylinderMotion]) -> dict[str, Any]:
     """Return the motion of the block at the cylinders, by variable."""
     return {
         f"cylinder_{k}.{name}": value
-        for k, one in enumerate(seen, 1)
+        for k, one in enumerate(motions, 1)
         for name, value in one._asdict().items()
     }
 

@@ -50,9 +50,9 @@ class Elastic:
         fixed_nodes: np.ndarray,
         factors: Factorise = factorise,
     ):
-        held = np.zeros(K.shape[0] // 3, dtype=bool)
-        held[fixed_nodes] = True
-        self.free = np.flatnonzero(np.repeat(~held, 3))
+        fixed = np.zeros(K.shape[0] // 3, dtype=bool)
+        fixed[fixed_nodes] = True
+        self.free = np.flatnonzero(np.repeat(~fixed, 3))
         self.size = K.shape[0]
         self.K = K.tocsr()[self.free][:, self.free].tocsc()
         self.M = M.tocsr()[self.free][:, self.free].tocsc()

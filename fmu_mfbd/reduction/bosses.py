@@ -227,8 +227,8 @@ SPREAD_AROUND, SPREAD_ALONG = 1 / 36, 1 / 4
 
 def _smoothing(cells, spread, ring):
     """Return the matrix (cells, cells) that distributes each value over its neighbours."""
-    apart = np.arange(cells)[:, None] - np.arange(cells)
+    distance = np.arange(cells)[:, None] - np.arange(cells)
     if ring:
-        apart = (apart + cells // 2) % cells - cells // 2
-    weight = np.exp(-((apart / (spread * cells)) ** 2) / 2)
+        distance = (distance + cells // 2) % cells - cells // 2
+    weight = np.exp(-((distance / (spread * cells)) ** 2) / 2)
     return weight / weight.sum(axis=1, keepdims=True)

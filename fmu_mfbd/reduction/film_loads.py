@@ -204,17 +204,17 @@ def _bands(case: dict[str, Any], name: str, path: Path) -> list[HeightBand]:
 
 def _named(group: Any, name: str, path: Path) -> Any:
     """Return the dataset of a participant's variable, None if there is none."""
-    found = {
+    loads = {
         owner: member[name]
         for owner, member in group.items()
         if owner != "fields" and hasattr(member, "keys") and name in member
     }
-    if len(found) > 1:
+    if len(loads) > 1:
         raise NotRecorded(
-            f"{path.name} has {name} of {', '.join(found)}, and its case has no wire that tells "
+            f"{path.name} has {name} of {', '.join(loads)}, and its case has no wire that tells "
             "which of them acts on the skirt"
         )
-    return next(iter(found.values()), None)
+    return next(iter(loads.values()), None)
 
 
 def on_stations(loads: RecordedLoads, rows: np.ndarray, stations: np.ndarray) -> FilmLoads:

@@ -28,7 +28,7 @@ from .geometry import pin_bore
 from .reading import read_body
 from .reduce import ends, film_surface
 from .reduced_body import load
-from .store import contents, kept
+from .store import contents, stored_file
 
 Say = Callable[[str], None]
 ZERO = {"degC": 273.15, "K": 0.0}
@@ -81,7 +81,9 @@ def kept_hot_shape(
     """
     name = f"hot_{_name(options)}"
     decided = contents(options, OF_MODES) | {"grid": list(grid)}
-    return load(HotShape, kept(name, decided, lambda: (hot_shape(options, grid, say),), folder))
+    return load(
+        HotShape, stored_file(name, decided, lambda: (hot_shape(options, grid, say),), folder)
+    )
 
 
 def hot_shape(
@@ -118,13 +120,13 @@ def _name(options: Piston | Block) -> str:
 
 def _displacement(mesh: Mesh, options: Piston | Block) -> np.ndarray:
     """Return the displacement of the nodes from a file, (n, 3) [m], nan at nodes without one."""
-    assert (given := options.hot_shape)
+    assert (source := options.hot_shape)
     surface, others = ("skirt", ["pin_bore"]) if isinstance(options, Piston) else ("bore", [])
     needed = np.unique(np.concatenate([mesh.nodes(name) for name in (surface, *others)]))
-    placed = Placement(given.length_unit, options.axes, options.origin)
-    values = read_node_values(given.file, DISPLACEMENT, given.field)
+    placed = Placement(source.length_unit, options.axes, options.origin)
+    values = read_node_values(source.file, DISPLACEMENT, source.field)
     return displacement_on(
-        values, mesh, placed, surface, needed, f"{_name(options)}.hot_shape: {given.file}"
+        values, mesh, placed, surface, needed, f"{_name(options)}.hot_shape: {source.file}"
     )
 
 
@@ -145,9 +147,9 @@ def _temperatures(mesh: Mesh, options: Piston | Block, field: TemperatureField) 
     else:
         assert field.file
         placed = Placement(field.length_unit, options.axes, options.origin)
-        given = read_node_values(field.file, TEMPERATURE, field.field)
+        nodal = read_node_values(field.file, TEMPERATURE, field.field)
         nodes = np.arange(len(mesh.points))
-        values = on_mesh(given, mesh, placed, nodes, where)[:, 0] + ZERO[field.temperature_unit]
+        values = on_mesh(nodal, mesh, placed, nodes, where)[:, 0] + ZERO[field.temperature_unit]
     low, high = float(values.min()), float(values.max())
     if field.temperature_unit == "degC" and low > LEAST_HOT:
         coldest = f"{LEAST_HOT - ZERO['degC']:.4g} degC"

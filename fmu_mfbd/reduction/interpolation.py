@@ -95,7 +95,7 @@ def _nearest_points(points, triangles, angle, height, radius, holes):
     flat = np.stack([radius * turn, corner[:, :, 1]], axis=-1)
     lowest = flat[:, :, 0].min(axis=1) - BESIDE * radius
     highest = flat[:, :, 0].max(axis=1) + BESIDE * radius
-    found = []
+    nearest = []
     for theta in angle:
         x = radius * (centre + np.remainder(theta - centre + np.pi, 2 * np.pi) - np.pi)
         near = np.flatnonzero((lowest <= x) & (x <= highest))
@@ -107,8 +107,8 @@ def _nearest_points(points, triangles, angle, height, radius, holes):
                 at = at._replace(triangle=near[at.triangle])
             if holes and (at.distance > BESIDE * radius).any():
                 at = _nearest(flat, x, y)
-            found.append(at)
-    return SurfacePoints(*map(np.concatenate, zip(*found)))
+            nearest.append(at)
+    return SurfacePoints(*map(np.concatenate, zip(*nearest)))
 
 
 def _nearest(corners: np.ndarray, x: np.ndarray, y: np.ndarray) -> SurfacePoints:

@@ -216,15 +216,15 @@ def reduce_piston(
     del K  # the elastic body contains the needed part
     film_forces = training.loads.film if training else None
     film = FilmSide(
-        "skirt",
-        reading,
-        angle,
-        height,
-        ALONG["skirt"],
-        there.ravel(),
-        film_forces,
-        read,
-        bosses,
+        surface="skirt",
+        reading=reading,
+        angle=angle,
+        height=height,
+        along=ALONG["skirt"],
+        there=there.ravel(),
+        training=film_forces,
+        bosses=read,
+        boss_films=bosses,
     )
     modes, left = _modes(mesh, elastic, options, film, loads, progress)
     shapes = modes.shapes.reshape(len(position), 3, len(modes.omega))
@@ -268,7 +268,15 @@ def placed_piston(mesh: Mesh, options: Piston, grid: Grid, full: FullModel | Non
         pin_offset=axis.first,
     )
     skirt = covered(mesh.points, mesh.faces["skirt"], angle, height, radius)
-    return Placed(body, position, angle, height, reading, inertia, skirt)
+    return Placed(
+        body=body,
+        position=position,
+        angle=angle,
+        height=height,
+        reading=reading,
+        rigid_mass=inertia,
+        skirt=skirt,
+    )
 
 
 def _in_bosses(bosses: Shells, shapes: np.ndarray, grid: Grid) -> ReducedBosses:
@@ -319,7 +327,15 @@ def reduce_block(
     elastic = Elastic(K, M, mesh.nodes("bolts"), factors)
     del K
     film_forces = on_stations(training.loads, training.rows, heights) if training else None
-    film = FilmSide("bore", reading, angle, heights, ALONG["bore"], everywhere, film_forces)
+    film = FilmSide(
+        surface="bore",
+        reading=reading,
+        angle=angle,
+        height=heights,
+        along=ALONG["bore"],
+        there=everywhere,
+        training=film_forces,
+    )
     no_loads = np.empty((3 * len(mesh.points), 0))
     modes, left = _modes(mesh, elastic, options, film, no_loads, progress)
     shapes = modes.shapes.reshape(len(mesh.points), 3, len(modes.omega))
@@ -349,7 +365,15 @@ def placed_block(mesh: Mesh, options: Block, grid: Grid) -> Placed:
     radius, reading = film_surface(mesh, "bore", angle, heights)
     body = ReducedBlock(**no_modes(len(angle), len(heights)), heights=heights, radius=radius)
     no_skirt = np.zeros((len(angle), 0), dtype=bool)
-    return Placed(body, mesh.points, angle, heights, reading, NO_MASS, no_skirt)
+    return Placed(
+        body=body,
+        position=mesh.points,
+        angle=angle,
+        height=heights,
+        reading=reading,
+        rigid_mass=NO_MASS,
+        skirt=no_skirt,
+    )
 
 
 def refuse(faults: list[str], options: Piston | Block) -> None:
@@ -512,7 +536,7 @@ def _film_shapes(
 def faults_of_modes(
     mesh: Mesh,
     options: Piston | Block,
-    held: str,
+    support: str,
     surface: str,
     angle: np.ndarray,
     height: np.ndarray,
@@ -524,7 +548,7 @@ def faults_of_modes(
     ----------
     mesh : Mesh
     options : Piston or Block
-    held, surface : str
+    support, surface : str
         Names of the surface that supports the body, and of the film surface.
     angle, height : ndarray
         Lines of the film grid [rad], [m].
@@ -546,12 +570,12 @@ def faults_of_modes(
             f"mirror image about the thrust plane, got {len(angle)} cells and {len(mesh.points)} "
             "nodes"
         )
-    held_nodes = mesh.nodes(held)
+    held_nodes = mesh.nodes(support)
     arms = mesh.points[held_nodes] - mesh.points.mean(axis=0)
     loose = 6 - np.linalg.matrix_rank(rigid_motions(arms), tol=1e-9)
     if loose:
         faults.append(
-            f"surface '{held}': expected nodes that hold the body, got {len(held_nodes)} that "
+            f"surface '{support}': expected nodes that hold the body, got {len(held_nodes)} that "
             f"leave {loose} rigid motions"
         )
     free_on_surface = len(np.setdiff1d(mesh.nodes(surface), held_nodes))

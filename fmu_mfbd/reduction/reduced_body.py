@@ -230,12 +230,12 @@ class ShellKind(NamedTuple):
     ----------
     title : str
         In messages.
-    bore, held : str
+    bore, fixed : str
         Surfaces of the mesh: the bore about z, and the surface that another body holds.
     length : str
         Option with the length of its film.
     hangs : bool
-        Whether all of `held` is below the bore, as the cut of a shank.
+        Whether all of `fixed` is below the bore, as the cut of a shank.
     upright : bool
         Whether the film mainly bears along y.
     samples : int
@@ -244,14 +244,22 @@ class ShellKind(NamedTuple):
 
     title: str
     bore: str = "bore"
-    held: str = "held"
+    fixed: str = "held"
     length: str = "length"
     hangs: bool = False
     upright: bool = False
     samples: int = 5
 
 
-SMALL_END = ShellKind("small end", "eye", "cut", "small_end_length", True, True, samples=1)
+SMALL_END = ShellKind(
+    title="small end",
+    bore="eye",
+    fixed="cut",
+    length="small_end_length",
+    hangs=True,
+    upright=True,
+    samples=1,
+)
 
 
 @dataclass(frozen=True)

@@ -49,10 +49,10 @@ def film_shell(mesh: Mesh, film: ShellFilm, kind: ShellKind = SMALL_END) -> Shel
             f"{1e3 * film.length:.4g} mm about z = 0, got z = {1e3 * z.min():.4g} to "
             f"{1e3 * z.max():.4g} mm, with no bore under {bare} of {around * along} cells"
         )
-    highest = float(mesh.points[mesh.nodes(kind.held), 1].max())
+    highest = float(mesh.points[mesh.nodes(kind.fixed), 1].max())
     if kind.hangs and highest > -radius:
         faults.append(
-            f"{kind.title}: surface '{kind.held}': expected y < {-1e3 * radius:.4g} mm, below the "
+            f"{kind.title}: surface '{kind.fixed}': expected y < {-1e3 * radius:.4g} mm, below the "
             f"eye, got y = {1e3 * highest:.4g} mm"
         )
     if faults:
@@ -75,14 +75,14 @@ def held_shell(
     MeshFault
         If these nodes are on a line.
     """
-    held = body.mesh.nodes(kind.held)
-    place = body.mesh.points[held]
-    if len(held) < 3 or np.linalg.matrix_rank(place - place.mean(axis=0), tol=1e-9) < 2:
+    nodes = body.mesh.nodes(kind.fixed)
+    place = body.mesh.points[nodes]
+    if len(nodes) < 3 or np.linalg.matrix_rank(place - place.mean(axis=0), tol=1e-9) < 2:
         raise MeshFault(
-            f"{kind.title}: surface '{kind.held}': expected nodes off one line, got {len(held)} "
+            f"{kind.title}: surface '{kind.fixed}': expected nodes off one line, got {len(nodes)} "
             "nodes on a line"
         )
-    return Elastic(body.K, body.M, held, factors)
+    return Elastic(body.K, body.M, nodes, factors)
 
 
 def reduce_shell(
@@ -143,7 +143,7 @@ def shell_mesh(options: SmallEnd | RoundShell, film: ShellFilm, kind: ShellKind,
     if isinstance(options, RoundShell) and (ring := options.ring):
         length = ring.length or film.length
         return ring_mesh(Ring(ring.inside, ring.outside, length, ring.held, ring.cells))
-    mesh = read_surfaces(options, (kind.bore, kind.held), say)
+    mesh = read_surfaces(options, (kind.bore, kind.fixed), say)
     for sentence in replaced(mesh.sets, {"young": options.young, "poisson": options.poisson}):
         say(f"{options.mesh}: {sentence}")
     return mesh

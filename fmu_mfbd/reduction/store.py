@@ -104,7 +104,7 @@ def kept_body(
         body, anatomy, _, *rest = reduced
         return body, anatomy, properties, *(part for part in rest if part)
 
-    path = kept(name, decided, made, folder, not shapes)
+    path = stored_file(name, decided, made, folder, not shapes)
     for factors in used:
         factors.forget()
     return path
@@ -154,7 +154,7 @@ def _digest(path: Path, above: tuple[Path, ...] = ()) -> str:
     return digest.hexdigest()
 
 
-def kept(
+def stored_file(
     name: str,
     options: dict[str, Any],
     make: Callable[[], tuple[Any, ...]],
@@ -175,7 +175,7 @@ def kept(
     return path
 
 
-def kept_shell(
+def stored_shell(
     options: SmallEnd | RoundShell,
     density: float,
     film: ShellFilm,
@@ -200,4 +200,4 @@ def kept_shell(
         return (reduce_shell(body, film, progress, kind=kind),)
 
     decided = contents(options) | {"density": density, "film": list(film), "kind": list(kind)}
-    return kept(kind.title.replace(" ", "_"), decided, made, folder)
+    return stored_file(kind.title.replace(" ", "_"), decided, made, folder)

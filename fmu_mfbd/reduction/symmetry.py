@@ -101,19 +101,19 @@ def symmetric_modes(body: Elastic, modes: Modes, points: np.ndarray) -> ClassedM
     # each class holds as many directions of the modes' space as its Gram matrix has eigenvalues
     # near 1
     share = np.concatenate([value for value, _ in spectra])
-    kept = np.sort(np.argsort(share)[-count:])
-    kind = kept // count
+    chosen = np.sort(np.argsort(share)[-count:])
+    kind = chosen // count
     pure = np.empty_like(shapes)
     frequency = np.empty_like(omega)
     for number, (part, (_, vectors)) in enumerate(zip(parts, spectra)):
         mine = np.flatnonzero(kind == number)
         if len(mine):
-            of_class = orthonormal_modes(body, part @ vectors[:, kept[mine] % count])
+            of_class = orthonormal_modes(body, part @ vectors[:, chosen[mine] % count])
             frequency[mine] = of_class.omega
             pure[:, mine] = body.full(of_class.shapes)
     gram = pure[body.free].T @ (body.M @ pure[body.free])
     # nodes may mirror where elements do not, or a half-kept pair of modes may leave a class
-    if share[kept].min() < 0.5 or np.abs(gram - np.eye(count)).max() > 1e-9:
+    if share[chosen].min() < 0.5 or np.abs(gram - np.eye(count)).max() > 1e-9:
         return unchanged
     order = np.argsort(frequency, kind="stable")
     return ClassedModes(pure[:, order], frequency[order], kind[order])

@@ -47,8 +47,8 @@ def load_patterns(film: FilmLoads) -> LoadPatterns:
         strengths.append(strength)
     strength = np.concatenate(strengths)
     order = np.argsort(-strength, kind="stable")
-    kept = order[strength[order] > NEGLIGIBLE * strength.max()]
-    return LoadPatterns(np.concatenate(patterns)[kept], strength[kept])
+    significant = order[strength[order] > NEGLIGIBLE * strength.max()]
+    return LoadPatterns(np.concatenate(patterns)[significant], strength[significant])
 
 
 def _mirrored_classes(fields: np.ndarray) -> list[np.ndarray]:
@@ -67,7 +67,7 @@ def _mirrored_classes(fields: np.ndarray) -> list[np.ndarray]:
 
 
 def trained_shapes(
-    body: Elastic, spread: Sparse, film: FilmLoads, given: np.ndarray, most: int
+    body: Elastic, spread: Sparse, film: FilmLoads, known: np.ndarray, most: int
 ) -> np.ndarray:
     """Return the static shapes with the smallest remaining energy under film forces.
 
@@ -83,7 +83,7 @@ def trained_shapes(
         B [-].
     film : FilmLoads
         At the points.
-    given : ndarray, shape (free, j)
+    known : ndarray, shape (free, j)
         Psi: shapes that the basis already contains, Psi^T K Psi = 1.
     most : int
         Maximum number of shapes.
@@ -110,7 +110,7 @@ def trained_shapes(
     parts = range(0, len(strength), AT_ONCE)
     answers = np.hstack([body.solve(loads[:, first : first + AT_ONCE]) for first in parts])
     whole = float(np.sum(answers * loads))
-    answers -= given @ (given.T @ loads)
+    answers -= known @ (known.T @ loads)
     gram = answers.T @ loads
     energy, turn = la.eigh((gram + gram.T) / 2)  # Eq. (J19), rising
     energy = np.maximum(energy, 0.0)

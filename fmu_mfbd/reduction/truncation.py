@@ -119,8 +119,8 @@ def left_out(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> 
     energy = answers.root.T @ radial
     whole = np.linalg.norm(answers.root.T @ answers.radial, 2)
     e, w = la.eigh((energy + energy.T) / 2)
-    kept = e > NEGLIGIBLE * whole
-    w = w[:, kept] / np.sqrt(e[kept])
+    significant = e > NEGLIGIBLE * whole
+    w = w[:, significant] / np.sqrt(e[significant])
     on = there[:, None]
     # Eq. (J16)
     return MissingShapes((radial @ w * on).astype(np.float32), (axial @ w * on).astype(np.float32))

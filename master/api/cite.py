@@ -96,10 +96,10 @@ def _of_choice(value: str) -> tuple[str, ...]:
 
 def _laws(table: Any, folder: Path) -> list[str]:
     """Return the choices of a participant, as given or by default."""
-    given = table.parameters
-    rough = to_si(given.get("roughness_rms", "0 m"), "m") > 0.0
+    parameters = table.parameters
+    rough = to_si(parameters.get("roughness_rms", "0 m"), "m") > 0.0
     return [
-        str(given.get(variable.name, variable.start))
+        str(parameters.get(variable.name, variable.start))
         for variable in declared_variables(table, folder) or ()
         if variable.choices and (rough or variable.name not in ROUGH)
     ]

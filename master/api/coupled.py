@@ -111,9 +111,9 @@ def couple(
     >>> print(f"{position[-1]:.3f}")      # cos(10/s 0.2 s) = -0.416
     -0.416
     """
-    given = {name: dict(values) for name, values in (parameters or {}).items()}
+    by_participant = {name: dict(values) for name, values in (parameters or {}).items()}
     options = {name: dict(values) for name, values in (build or {}).items()}
-    strangers = sorted((given.keys() | options.keys()) - participants.keys())
+    strangers = sorted((by_participant.keys() | options.keys()) - participants.keys())
     if strangers:
         raise BadInput(
             [f"wires: {unknown('participant', name, participants)}" for name in strangers]
@@ -121,7 +121,7 @@ def couple(
     tables: dict[str, dict[str, Any]] = {}
     own: dict[str, Any] = {}
     for name, origin in participants.items():
-        tables[name] = {"parameters": given.get(name, {}), "build": options.get(name, {})}
+        tables[name] = {"parameters": by_participant.get(name, {}), "build": options.get(name, {})}
         if isinstance(origin, (str, Path)):
             tables[name] |= _file(str(origin))
             continue

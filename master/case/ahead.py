@@ -13,7 +13,7 @@ from .machine_code import native_choice
 from .schema import reduced
 from .symmetry import symmetry_faults
 from .times import record_interval, times
-from .values import given_values
+from .values import parameter_values
 from .wires import check_sources, field_of, wire_of
 
 
@@ -49,7 +49,7 @@ def ahead(case: Any, folder: Path) -> Ahead:
                 fields = {one.name: _as_fmu(one) for one in variables}
                 declared[name] = DeclaredParticipant(name, Path(table.package), fields)
     parameters = {
-        name: given_values(participant, case.participants[name].parameters, faults)
+        name: parameter_values(participant, case.participants[name].parameters, faults)
         for name, participant in declared.items()
     }
     return Ahead(declared, parameters, faults)
@@ -125,8 +125,8 @@ def check_time(case, parameters, faults):
     """Return the clock of the run; None after a fault."""
     if case.time.angular_speed:
         owner, name = port_of(case.time.angular_speed)
-        given = case.participants[owner].parameters
-        if name in given and name not in parameters[owner]:
+        declared = case.participants[owner].parameters
+        if name in declared and name not in parameters[owner]:
             return None  # its value is a fault that is already in the list
     with collecting(faults):
         speed = angular_speed(case, parameters)

@@ -120,14 +120,14 @@ def key_parts(tree: Tree, key: str, folder: Path) -> list[str]:
         return parts
     there = [path for path in _paths(tree) if _ends(path, parts)]
     known = [] if there else _known(tree, folder)
-    found = there or [path for path in known if _ends(path, parts)]
-    if len(found) == 1 and EACH not in found[0] and ANY not in found[0]:
-        return found[0]
-    if not found:
+    matches = there or [path for path in known if _ends(path, parts)]
+    if len(matches) == 1 and EACH not in matches[0] and ANY not in matches[0]:
+        return matches[0]
+    if not matches:
         names = sorted({path[-1] for path in known})
         question = near(parts[-1], names) or "; `piston-cosim keys` lists all keys"
         raise BadInput(f"{key}: expected a key of the case, got an unknown key{question}")
-    places = " or ".join(sorted(".".join(path) for path in found)[:MOST_PLACES])
+    places = " or ".join(sorted(".".join(path) for path in matches)[:MOST_PLACES])
     raise BadInput(f"{key}: expected a dotted path, got a name of several keys; write {places}")
 
 

@@ -125,13 +125,21 @@ def check(
         for group in groups(case, folder, declared)
         for claim in (group.claims if group.unknown else ())
     ]
-    found = _loops(case, folder, faults, remarks) if not faults else []
+    loops = _loops(case, folder, faults, remarks) if not faults else []
     warnings += [
         f"coupling.method: {one.unstable}"
-        for one in found
+        for one in loops
         if one.unstable and (case.coupling.method == "explicit" or one.component.fixed)
     ]
-    return CheckedCase(path, case.title, previews, faults, warnings, remarks, found)
+    return CheckedCase(
+        path=path,
+        title=case.title,
+        previews=previews,
+        faults=faults,
+        warnings=warnings,
+        remarks=remarks,
+        loops=loops,
+    )
 
 
 def _warnings_on_steps(case: Case, folder: Path) -> list[str]:
@@ -181,7 +189,7 @@ def _loops(case: Case, folder: Path, faults: list[str], remarks: list[str]) -> "
 def _previews(case: Case, folder: Path, declared: Ahead) -> dict[str, Preview]:
     """Return the previews of the participants whose parameters are valid."""
     previews = {}
-    for name, given in declared.parameters.items():
+    for name, parameters in declared.parameters.items():
         table = case.participants[name]
         try:
             look = import_part(f"{table.package}.preview").preview
@@ -190,7 +198,7 @@ def _previews(case: Case, folder: Path, declared: Ahead) -> dict[str, Preview]:
         fields = declared.participants[name].fields
         worded = {
             key: [*fields[key].choices][value - 1] if fields[key].choices else value
-            for key, value in given.items()
+            for key, value in parameters.items()
         }
         refused = dict.fromkeys(_refused(case, name, declared))
         previews[name] = look(table.build, worded | refused, folder)
@@ -208,23 +216,25 @@ def _contradictions(case: Case, declared: Ahead, previews: dict[str, Preview]) -
 
     The contract lists them. The value of the film applies.
     """
-    found = []
+    warnings = []
     for film, body, variable, source, is_offered, figures in overrides(case):
         where = f"participants.{film}"
         if source:
             if is_offered:
-                found.append(f"{where}.{variable}: {source} replaces that of the walls of {body}")
+                warnings.append(
+                    f"{where}.{variable}: {source} replaces that of the walls of {body}"
+                )
             continue
         for key, figure in figures.items():
             measured = previews.get(body, Preview()).figure(figure)
-            given = declared.parameters.get(film, {}).get(key)
-            if measured is not None and given is not None:
+            own = declared.parameters.get(film, {}).get(key)
+            if measured is not None and own is not None:
                 unit = measured.unit
-                found.append(
-                    f"{where}.parameters.{key} = {short(given, unit, 4)}: the walls of {body} give "
-                    f"{short(measured.value, unit, 4)}, {given - measured.value:+.3g} {unit}"
+                warnings.append(
+                    f"{where}.parameters.{key} = {short(own, unit, 4)}: the walls of {body} give "
+                    f"{short(measured.value, unit, 4)}, {own - measured.value:+.3g} {unit}"
                 )
-    return found
+    return warnings
 
 
 def _without_a_value(case: Case, declared: Ahead) -> list[str]:
@@ -253,20 +263,20 @@ def _disagreements(case: Case, declared: Ahead, previews: dict[str, Preview]) ->
     """
     faults = []
     for name, key, (giver, surface), figure in given_by_others(case, "agree"):
-        seen = previews.get(giver, Preview())
-        measured = seen.figure(f"{surface}{figure}") or seen.figure(figure)
+        preview = previews.get(giver, Preview())
+        measured = preview.figure(f"{surface}{figure}") or preview.figure(figure)
         if measured is None or name not in declared.participants:
             continue
         fields, values = declared.participants[name].fields, declared.parameters[name]
         if key not in fields or key in _refused(case, name, declared):
             continue
-        given = values.get(key, fields[key].start)
-        if abs(given - measured.value) > APART * abs(measured.value):
+        value = values.get(key, fields[key].start)
+        if abs(value - measured.value) > APART * abs(measured.value):
             default = "" if key in values else ", its default"
             faults.append(
                 f"participants.{name}.parameters.{key}: expected "
                 f"{short(measured.value, measured.unit, 5)}, the {figure.replace('_', ' ')} of "
                 f"{f'{giver}.{surface}'.removesuffix('.')}, got "
-                f"{short(given, measured.unit, 5)}{default}"
+                f"{short(value, measured.unit, 5)}{default}"
             )
     return faults

@@ -43,8 +43,8 @@ def _faults_below(tree, error: ValidationError, folder: Path) -> list[str]:
     tree = deepcopy(tree)
     faults: list[str] = []
     for _ in range(MOST_ROUNDS):
-        found = sorted(error.errors(), key=lambda one: str(one["loc"]), reverse=True)
-        if not all(_leave_out(tree, list(takewhile(is_key, one["loc"])), one) for one in found):
+        errors = sorted(error.errors(), key=lambda one: str(one["loc"]), reverse=True)
+        if not all(_leave_out(tree, list(takewhile(is_key, one["loc"])), one) for one in errors):
             return faults
         try:
             case = Case.model_validate(tree)

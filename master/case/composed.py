@@ -62,29 +62,29 @@ def _moved(node: Any, place: str, folder: Path) -> Any:
 
 def _merged(base: Tree, tree: Tree) -> Tree:
     """Return the tables of `base` with those of `tree`; entries of `ENTRIES` are added."""
-    found = dict(base)
+    merged = dict(base)
     for key, value in tree.items():
-        old = found.get(key)
+        old = merged.get(key)
         if isinstance(old, dict) and isinstance(value, dict):
-            found[key] = _merged(old, value)
+            merged[key] = _merged(old, value)
         elif key in ENTRIES and _are_tables(old) and _are_tables(value):
-            found[key] = _with_entries(old, value, ENTRIES[key])
+            merged[key] = _with_entries(old, value, ENTRIES[key])
         else:
-            found[key] = value
-    return found
+            merged[key] = value
+    return merged
 
 
 def _with_entries(old: list[Tree], new: list[Tree], key: str) -> list[Tree]:
     """Return a list of tables with others; one with a known value of `key` changes the old one."""
-    found = list(old)
+    entries = list(old)
     known = {str(one.get(key)): k for k, one in enumerate(old)}
     for one in new:
         k = known.get(str(one.get(key)))
         if k is None:
-            found.append(one)
+            entries.append(one)
         else:
-            found[k] = _merged(found[k], one)
-    return found
+            entries[k] = _merged(entries[k], one)
+    return entries
 
 
 def _are_tables(value: Any) -> TypeGuard[list[Tree]]:

@@ -84,8 +84,8 @@ def surfaces_of(participant, role: str) -> list[str]:
     terms = contract()[role]
     outputs = [f.name for f in participant.fields.values() if f.causality == "output"]
     wanted = list(terms.outputs["field"])
-    found = [name.removesuffix(wanted[0]) for name in outputs if name.endswith(wanted[0])]
-    allowed = [one for one in found if not one or terms.of_each_film and one.endswith(".")]
+    prefixes = [name.removesuffix(wanted[0]) for name in outputs if name.endswith(wanted[0])]
+    allowed = [one for one in prefixes if not one or terms.of_each_film and one.endswith(".")]
     return [one for one in allowed if all(f"{one}{name}" in outputs for name in wanted)]
 
 
@@ -111,9 +111,9 @@ def interface(wires: Iterable[Mapping[str, str] | Any], name: str, role: str) ->
         ends = (
             (wire["from"], wire["to"]) if isinstance(wire, Mapping) else (wire.source, wire.target)
         )
-        (giver, given), (taker, taken) = map(port_of, ends)
-        if taker == name and taken in contract()[role].inputs["field"] and given.endswith(taken):
-            return Interface(giver, given.removesuffix(taken))
+        (giver, port), (taker, taken) = map(port_of, ends)
+        if taker == name and taken in contract()[role].inputs["field"] and port.endswith(taken):
+            return Interface(giver, port.removesuffix(taken))
     return None
 
 
@@ -148,15 +148,15 @@ def envelope_kinds(tree: dict) -> dict[str, str]:
 
     The port of an input is that of its source.
     """
-    found = {}
+    kinds = {}
     for role, terms in contract().items():
         for name in players(tree, role) if terms.envelopes else ():
             other = interface(tree.get("wires", ()), name, role)
             source = f"{other.owner}.{other.surface}" if other else f"{name}."
             for variable, kind in terms.envelopes.items():
                 owner = source if variable in terms.inputs["field"] else f"{name}."
-                found[owner + variable] = kind
-    return found
+                kinds[owner + variable] = kind
+    return kinds
 
 
 def starting_order(names: Iterable[str], wires: Iterable[Wire]) -> list[str]:
@@ -355,17 +355,17 @@ def in_contract_units(participant: Any, role: str | None) -> list[tuple[str, str
 
 def swap_all(
     trees: dict[str, dict[str, Any]],
-    given: Mapping[str, Sequence[str]],
+    models: Mapping[str, Sequence[str]],
     say: Callable[[str], object],
 ) -> dict[str, dict[str, Any]]:
-    """Return the trees of all variants with the models `given`: role -> "[PARTICIPANT=]MODEL".
+    """Return the trees of all variants with the models `models`: role -> "[PARTICIPANT=]MODEL".
 
     A model is an FMU, a model class FILE.py:CLASS, or a value of the role's `model_parameter`.
     With several models of a role, each variant becomes a tree for each model, with the name of the
     model in its label. All trees have the pictures that every model can fill. Calls `say` with the
     keys that the case has and a model lacks.
     """
-    for role, texts in given.items():
+    for role, texts in models.items():
         if texts:
             trees = _swapped(trees, role, texts, say)
     return trees
@@ -384,7 +384,7 @@ def _swapped(trees, role, texts, say):
         fmu = fmu_of_model(role, model, first["participants"][name], say)
         return name, model.rpartition(":")[2] if ".py:" in model else fmu.stem, fmu
 
-    found = {}
+    variants = {}
     common = trees
     for name, model, fmu in for_all(model_of, texts):
         pairs = {
@@ -400,12 +400,12 @@ def _swapped(trees, role, texts, say):
             common = {label: swap(tree, name, fmu)[0] for label, tree in common.items()}
         for label, (tree, _) in pairs.items():
             parts = [label] * (len(trees) > 1 or len(texts) == 1) + [model] * (len(texts) > 1)
-            found["_".join(parts)] = label, tree
-    if len(found) < len(trees) * len(texts):
+            variants["_".join(parts)] = label, tree
+    if len(variants) < len(trees) * len(texts):
         raise BadInput(f"--{role}: expected models of different names, got {', '.join(texts)}")
     return {
         label: tree | {"pictures": common[variant].get("pictures", [])}
-        for label, (variant, tree) in found.items()
+        for label, (variant, tree) in variants.items()
     }
 
 
@@ -477,38 +477,38 @@ def swap(
         owner, _, variable = port.partition(".")
         return owner != name or variable in fields
 
-    def kept(table, entries):
+    def left(table, entries):
         """Return the entries (key -> port) whose port exists, and add the others to `left_out`."""
         left_out.extend(f"{table}.{key}" for key, port in entries.items() if not known(port))
         return {key: port for key, port in entries.items() if known(port)}
 
     def kept_reductions(table):
         entries = tree.get(table, {})
-        ports = kept(table, {key: reduced(text).port for key, text in entries.items()})
+        ports = left(table, {key: reduced(text).port for key, text in entries.items()})
         return {key: entries[key] for key in ports}
 
     table = tree["participants"][name]
-    given = table.get("parameters", {})
-    parameters = kept(f"participants.{name}.parameters", {key: f"{name}.{key}" for key in given})
+    texts = table.get("parameters", {})
+    parameters = left(f"participants.{name}.parameters", {key: f"{name}.{key}" for key in texts})
     record = tree.get("record", {})
     swapped = tree | {
         "participants": tree["participants"]
         | {
             name: {
                 "fmu": str(Path(path).resolve()),
-                "parameters": {key: given[key] for key in parameters},
+                "parameters": {key: texts[key] for key in parameters},
                 **{key: table[key] for key in ("role", "isolated", "timeout") if key in table},
             }
         },
         "record": record
         | {
-            "fields": list(kept("record.fields", {port: port for port in record.get("fields", [])}))
+            "fields": list(left("record.fields", {port: port for port in record.get("fields", [])}))
         },
         "summary": kept_reductions("summary"),
         "window": {
             text: limits
             for text, limits in tree.get("window", {}).items()
-            if text in kept("window", {text: reduced(text).port})
+            if text in left("window", {text: reduced(text).port})
         },
         "studies": {},  # they compare runs of the case's own FMU
         "monitor": kept_reductions("monitor"),

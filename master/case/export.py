@@ -62,25 +62,25 @@ def export_fmu(case, folder, progress, version="2.0", platforms=()):
         With every fault of the case. Participants must be packages, because an FMU cannot contain
         others. With platforms, also with all features that machine code does not cover.
     """
-    given = [
+    faults = [
         f"participants.{name}: expected a package inside one FMU, got {kind}"
         for name, table in case.participants.items()
         for kind in ("fmu", "table", "plugin", "file")
         if getattr(table, kind) and not table.package
     ]
-    given += [
+    faults += [
         f"wire {wire.source} -> {wire.target}: expected held inputs inside one FMU, got {kind!r}"
         for wire in case.wires
         if (kind := wire.interpolation or case.coupling.inputs) != "held"
     ]
     if case.coupling.method not in METHODS:
-        given.append(
+        faults.append(
             f"coupling.method: expected one of {', '.join(METHODS)} inside one FMU, "
             f"got {case.coupling.method!r}"
         )
-    given += _uncovered_ahead(case, platforms) if platforms else []
-    if given:
-        raise BadInput(given)
+    faults += _uncovered_ahead(case, platforms) if platforms else []
+    if faults:
+        raise BadInput(faults)
     system = open_system(case, folder, progress)
     if system.held:
         raise BadInput(

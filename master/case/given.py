@@ -39,8 +39,8 @@ def build_options(
         if not table.package or key in table.build:
             continue
         with suppress(BadInput):  # reported when the giver is built
-            given = _built(case.participants[owner], Path(folder), progress)
-            if (value := given.get(f"{surface}{option}")) is not None:
+            options = _built(case.participants[owner], Path(folder), progress)
+            if (value := options.get(f"{surface}{option}")) is not None:
                 builds[name][key] = value
     return builds
 
@@ -75,7 +75,7 @@ def masks(case, builds, folder) -> dict[str, list[list[int]]]:
         Folder of the case.
     """
     roles = contract()
-    found = {}
+    by_film = {}
     for name, build in builds.items():
         role = case.participants[name].role
         mask = build.get("mask") if role in roles and "mask" in roles[role].build else None
@@ -83,5 +83,5 @@ def masks(case, builds, folder) -> dict[str, list[list[int]]]:
             cells = [row for _, row in read_rows(Path(folder) / mask)]
             mask = np.array(cells, dtype=float, ndmin=2).astype(int).tolist()
         if isinstance(mask, list):
-            found[name] = mask
-    return found
+            by_film[name] = mask
+    return by_film

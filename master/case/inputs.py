@@ -58,11 +58,11 @@ def slopes(case, participants, wires, step):
     Their tolerance is that of the value in a macro step [s].
     """
     cubic = {(wire.source, wire.target) for wire in case.wires if wire.interpolation == "hermite"}
-    found = []
+    pieces = []
     for c in wires:
         (owner, name), (target, inlet) = c.source, c.target
         if (f"{owner}.{name}", f"{target}.{inlet}") in cubic:
-            found.append(
+            pieces.append(
                 replace(
                     c,
                     source=(owner, _slope_output(participants[owner], name)),
@@ -74,7 +74,7 @@ def slopes(case, participants, wires, step):
                     local_error=None,
                 )
             )
-    return found
+    return pieces
 
 
 def with_one_way(case, participants, faults):

@@ -60,14 +60,14 @@ def case_keys(tree: dict[str, Any], folder: Path) -> list[Key]:
     folder : Path
         Folder of the case.
     """
-    found = keys(Case.model_json_schema())
+    all_keys = keys(Case.model_json_schema())
     for name, table in _built(tree).items():
         before = f"participants.{name}."
         schema = part_function(table["package"], "options_schema")
         if schema:
-            found += keys(schema(), f"{before}build.")
-        found += [_key(one, before) for one in _settable(table, folder)]
-    return found
+            all_keys += keys(schema(), f"{before}build.")
+        all_keys += [_key(one, before) for one in _settable(table, folder)]
+    return all_keys
 
 
 def _built(tree: dict[str, Any]) -> dict[str, dict[str, Any]]:
@@ -138,7 +138,7 @@ SYNONYMS = {
 """Word that users search for -> words in the names of keys."""
 
 
-def chosen_keys(found: list[Key], word: str) -> tuple[list[Key], bool]:
+def chosen_keys(all_keys: list[Key], word: str) -> tuple[list[Key], bool]:
     """Return the keys that a word selects, and whether it is the path of a table.
 
     A dotted path, or part of one, selects the table. Any other word selects the keys whose name,
@@ -150,16 +150,16 @@ def chosen_keys(found: list[Key], word: str) -> tuple[list[Key], bool]:
         If no key matches.
     """
     wanted = word.split(".")
-    chosen = [key for key in found if _has(key.path.split("."), wanted)]
+    chosen = [key for key in all_keys if _has(key.path.split("."), wanted)]
     if any(key.name != wanted[-1] for key in chosen):
         return chosen, True
     text = word.lower()
     names = (text, *SYNONYMS.get(text, ()))
-    by_name = [key for key in found if any(name in key.path.lower() for name in names)]
-    by_meaning = [key for key in found if text in key.meaning.lower() and key not in by_name]
+    by_name = [key for key in all_keys if any(name in key.path.lower() for name in names)]
+    by_meaning = [key for key in all_keys if text in key.meaning.lower() and key not in by_name]
     if chosen := list(dict.fromkeys([*chosen, *by_name, *by_meaning])):
         return chosen, False
-    parts = {part for key in found for part in key.path.split(".")} - {ANY, EACH}
+    parts = {part for key in all_keys for part in key.path.split(".")} - {ANY, EACH}
     words = {text for part in parts for text in part.split("_")}
     close = near(wanted[-1], sorted({*parts, *words, *SYNONYMS}))
     question = close or "; `piston-cosim keys` lists all keys"
@@ -233,8 +233,8 @@ def _property(variable: Variable) -> dict[str, Any]:
     if variable.unit != "1":
         return described | {"type": "string", "unit": variable.unit}
     bounds = {"minimum": variable.minimum, "maximum": variable.maximum}
-    given = {word: bound for word, bound in bounds.items() if bound is not None}
-    return described | {"type": ["number", "string"], "default": variable.start} | given
+    limits = {word: bound for word, bound in bounds.items() if bound is not None}
+    return described | {"type": ["number", "string"], "default": variable.start} | limits
 
 
 def _range_text(variable: Variable) -> str:

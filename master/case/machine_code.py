@@ -8,7 +8,7 @@ from .keys import declared_variables
 
 
 def native_choice(
-    case: Any, folder: Path, given: dict[str, dict[str, Any]]
+    case: Any, folder: Path, parameters: dict[str, dict[str, Any]]
 ) -> tuple[set[str], list[str]]:
     """Return the participants to build as machine code, and the faults of those that cannot be.
 
@@ -19,7 +19,7 @@ def native_choice(
     case : schema.Case
     folder : Path
         Folder of the case.
-    given : dict
+    parameters : dict
         Known parameters of participants in SI, by name.
     """
     packages = {name: table.package for name, table in case.participants.items() if table.package}
@@ -32,7 +32,7 @@ def native_choice(
             name
             for name, package in packages.items()
             if is_made_ahead(package)
-            and not _uncovered(case.participants[name], folder, given.get(name, {}))
+            and not _uncovered(case.participants[name], folder, parameters.get(name, {}))
         }
         return chosen, []
     chosen = set(packages if case.native is True else case.native or ())
@@ -41,12 +41,12 @@ def native_choice(
         for name in sorted(chosen - packages.keys())
     ]
     for name in sorted(chosen & packages.keys()):
-        found = _uncovered(case.participants[name], folder, given.get(name, {}))
-        faults += [f"participants.{name}{fault}" for fault in found]
+        uncovered = _uncovered(case.participants[name], folder, parameters.get(name, {}))
+        faults += [f"participants.{name}{fault}" for fault in uncovered]
     return chosen, faults
 
 
-def _uncovered(table, folder, given):
+def _uncovered(table, folder, parameters):
     """Return why a participant cannot be machine code, as ends of "participants.NAME"."""
     from ..fmi.builder_native import cannot_build, part_of
     from ..fmi.compiler import this_platform
@@ -61,6 +61,6 @@ def _uncovered(table, folder, given):
     faults = [f", {fault}" for fault in cannot_build((platform,), (table.package,))]
     faults += [f".build.{fault}" for fault in part.uncovered(table.build)]
     if not faults and (variables := declared_variables(table, folder)):
-        values = {v.name: v.number(v.start) for v in variables} | dict(given)
+        values = {v.name: v.number(v.start) for v in variables} | dict(parameters)
         faults += [f".parameters.{fault}" for fault in part.uncovered_values(values)]
     return faults

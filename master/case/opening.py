@@ -48,10 +48,10 @@ def _own_step(table):
     return None if table.step is None else to_si(table.step, "s")
 
 
-def _sizes(participant, given):
+def _sizes(participant, texts):
     """Return the values of the structural parameters of the case."""
     faults, sizes = [], {}
-    for name, text in given.items():
+    for name, text in texts.items():
         field = participant.fields.get(name)
         if field is not None and field.causality == "structuralParameter":
             try:

@@ -66,9 +66,14 @@ def overrides(case: Any) -> Iterator[Override]:
             sources = [w.source for w in case.wires if base_of(w.target) == f"{name}.{variable}"]
             if not any(port_of(source)[0] == other.owner for source in sources):
                 is_offered = terms["option"] in case.participants[other.owner].build
-                given = {key: one for key, one in terms["replaced_by"].items() if one}
+                figures = {key: one for key, one in terms["replaced_by"].items() if one}
                 yield Override(
-                    name, other.owner, variable, " and ".join(sources), is_offered, given
+                    film=name,
+                    body=other.owner,
+                    variable=variable,
+                    source=" and ".join(sources),
+                    is_offered=is_offered,
+                    figures=figures,
                 )
 
 
@@ -94,8 +99,8 @@ def _is_offered(tables: Tree, film: Tree, other: Interface, terms: Mapping[str, 
 
 def _is_set(film: Tree, wires: list[Tree], port: str, terms: Mapping[str, Any]) -> bool:
     """Return whether the case sets the input otherwise."""
-    given = film.get("parameters", {})
-    return any(key in given for key in terms["replaced_by"]) or any(
+    parameters = film.get("parameters", {})
+    return any(key in parameters for key in terms["replaced_by"]) or any(
         base_of(wire["to"]) == port for wire in wires
     )
 

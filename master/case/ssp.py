@@ -195,8 +195,8 @@ def _annotations(parent, tree, system):
     tolerances = {"absoluteTolerance": "1e-4", "relativeTolerance": "1e-4"}
     SubElement(node, f"{{{OMS}}}FixedStepMaster", master | tolerances)
     own = _add(annotations, "ssc:Annotation", type=VENDOR)
-    kept = {key: value for key, value in tree.items() if key not in LEFT}
-    SubElement(own, "case").text = json.dumps(kept)
+    entries = {key: value for key, value in tree.items() if key not in LEFT}
+    SubElement(own, "case").text = json.dumps(entries)
 
 
 def _units(parent, part, names):

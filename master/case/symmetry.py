@@ -71,12 +71,12 @@ def groups(
         reasons = [f"participants.{body}.{line}" for line in own.reasons]
         unknown, halves = [], []
         for name in surfaces:
-            found = symmetry(name)
-            if found is None:
+            answer = symmetry(name)
+            if answer is None:
                 unknown.append(name)
             else:
-                halves += [name] if found.can_halve else []
-                reasons += [f"participants.{name}.{line}" for line in found.reasons]
+                halves += [name] if answer.can_halve else []
+                reasons += [f"participants.{name}.{line}" for line in answer.reasons]
         reasons += _differing(case, surfaces, own.images, {body, *surfaces})
         for name in (body, *surfaces):
             reasons += _fields_from_outside(case, declared, name, {body, *surfaces})
@@ -115,7 +115,7 @@ def half_films(
     if case.symmetric is False:
         return {}
     choice = "thrust_plane" if case.symmetric else "automatic"
-    found = {}
+    choices = {}
     for group in groups(case, folder, declared, builds):
         if group.unknown or not (group.halves or group.reasons):
             continue
@@ -129,12 +129,12 @@ def half_films(
         if odd_bodies and not reasons:
             reasons = odd_bodies(builds[group.body], folder)
         if not reasons:
-            found |= {name: {"film_symmetry": choice} for name in group.halves}
+            choices |= {name: {"film_symmetry": choice} for name in group.halves}
         elif case.symmetric:
             faults.append(rejection("symmetric", reasons))
-    if case.symmetric and not found and not faults:
+    if case.symmetric and not choices and not faults:
         faults.append(rejection("symmetric", ["no film of a known model with such a grid"]))
-    return found
+    return choices
 
 
 def _symmetry(package, build, parameters, folder) -> Symmetry | None:
@@ -149,7 +149,7 @@ def _symmetry(package, build, parameters, folder) -> Symmetry | None:
 def _differing(case, surfaces, images, group):
     """Return reasons of films on mirrored surfaces that differ, also in wires from outside."""
     by_surface = {surface: name for name, surface in surfaces.items()}
-    found = []
+    differing = []
 
     def own(name):
         table = case.participants[name]
@@ -161,8 +161,8 @@ def _differing(case, surfaces, images, group):
     for surface, name in by_surface.items():
         other = by_surface.get(images.get(surface, surface), name)
         if name < other and own(name) != own(other):
-            found.append(f"participants.{other} (differs from {name}, its mirror image)")
-    return found
+            differing.append(f"participants.{other} (differs from {name}, its mirror image)")
+    return differing
 
 
 def _chosen_whole(case, names):
@@ -188,16 +188,16 @@ def _free_fields(case, declared, films):
 def _fields_from_outside(case, declared, name, group):
     """Return reasons of field inputs of a participant that others set, or the case unevenly."""
     fields = declared.participants[name].fields if name in declared.participants else {}
-    found = []
+    outside = []
     for wire in case.wires:
         owner, variable = port_of(wire.target)
         source, _ = port_of(wire.source)
         field = fields.get(base_of(variable))
         if owner == name and source not in group and field is not None and field.shape:
-            found.append(f"participants.{name}.{variable} (from {wire.source})")
+            outside.append(f"participants.{name}.{variable} (from {wire.source})")
     for variable, value in declared.parameters.get(name, {}).items():
         if np.ndim(value) and odd_part(np.asarray(value)).any():
-            found.append(
+            outside.append(
                 f"participants.{name}.parameters.{variable} (differs from its mirror image)"
             )
-    return found
+    return outside

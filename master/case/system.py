@@ -26,7 +26,7 @@ from .machine_code import native_choice
 from .opening import open_participant
 from .symmetry import half_films
 from .times import record_interval
-from .values import given_values
+from .values import parameter_values
 from .wires import (
     check_elements,
     check_sources,
@@ -86,8 +86,8 @@ def open_system(
         whole = [MASTER] if native == case.participants.keys() else []
         compile_ahead([*whole, *needed], progress)
     builds = build_options(case, folder, progress)
-    participants, given = {}, case.participants
-    for name in given:
+    participants, tables = {}, case.participants
+    for name in tables:
         with collecting(faults, f"participants.{name}."):
             given_to = builds[name], folder, progress, name in native, [*participants.values()]
             participants[name] = finished.get(name) or open_participant(name, case, *given_to, how)
@@ -95,7 +95,7 @@ def open_system(
         raise BadInput(faults)
     halves = half_films(case, folder, declared, builds, faults)
     parameters = {
-        name: given_values(one, {**halves.get(name, {}), **given[name].parameters}, faults)
+        name: parameter_values(one, {**halves.get(name, {}), **tables[name].parameters}, faults)
         for name, one in participants.items()
     }
     check_sources(case.wires, faults)
@@ -126,24 +126,24 @@ def open_system(
     wires += slopes(case, participants, wires, clock.step)
     _give_step(opened, clock.step)
     return System(
-        participants,
-        tuple(case.coupling.order),
-        tuple(wires),
-        parameters,
-        clock.stop,
-        clock.step,
-        clock.smallest_step,
-        str(folder),
-        case.coupling.parallel,
-        tuple(held),
-        clock.start,
-        clock.period,
-        clock.earliest,
-        masks(case, builds, folder),
-        tuple(wire for wire in handed if wire.target in of_clocks),
-        record_interval(case, angular_speed(case, parameters)),
-        frozenset(name for name, table in case.participants.items() if table.rollback),
-        _limits(case, participants),
+        participants=participants,
+        order=tuple(case.coupling.order),
+        wires=tuple(wires),
+        parameters=parameters,
+        stop=clock.stop,
+        step=clock.step,
+        smallest_step=clock.smallest_step,
+        folder=str(folder),
+        parallel=case.coupling.parallel,
+        held=tuple(held),
+        begin=clock.start,
+        period=clock.period,
+        earliest=clock.earliest,
+        masks=masks(case, builds, folder),
+        clocks=tuple(wire for wire in handed if wire.target in of_clocks),
+        record_interval=record_interval(case, angular_speed(case, parameters)),
+        trusted=frozenset(name for name, table in case.participants.items() if table.rollback),
+        limits=_limits(case, participants),
     )
 
 
@@ -202,7 +202,7 @@ def open_finished(
         return opened  # nothing is built, so that all further faults are found together
     known = declared.participants | opened
     for name, participant in opened.items():
-        given_values(participant, case.participants[name].parameters, faults)
+        parameter_values(participant, case.participants[name].parameters, faults)
     declared_wires(case, known, faults)
     if opened and known.keys() == case.participants.keys():
         check_ports(case, known, faults)

@@ -38,9 +38,9 @@ def times(case: Case, speed: float | None) -> Clock:
     """Return the times of the run; `speed` converts angles to times [rad/s]."""
     faults: list[str] = []
     values: dict[str, float] = {}
-    given = {key: getattr(case.time, key) for key in ("stop", "step", "smallest_step")}
-    given["period"] = case.period
-    for key, text in given.items():
+    texts = {key: getattr(case.time, key) for key in ("stop", "step", "smallest_step")}
+    texts["period"] = case.period
+    for key, text in texts.items():
         if text is None:
             continue
         try:

@@ -13,10 +13,10 @@ ROUND_OFF = 1e-14
 """Relative error of a conversion of units."""
 
 
-def given_values(participant, given, faults):
+def parameter_values(participant, texts, faults):
     """Return parameters and input start values in SI; append faults."""
     values = {}
-    for name, text in given.items():
+    for name, text in texts.items():
         where = f"participants.{participant.name}.parameters.{name}"
         field = participant.fields.get(name)
         if field is None or not is_settable(field):

@@ -105,8 +105,8 @@ def _items_by_name(field):
 
 def _check_item_names(source, target):
     """Raise `BadInput` if an item has different numbers at the ends of a wire."""
-    given, taken = _items_by_name(source), _items_by_name(target)
-    if any(taken.get(name, number) != number for name, number in given.items()):
+    source_items, taken = _items_by_name(source), _items_by_name(target)
+    if any(taken.get(name, number) != number for name, number in source_items.items()):
         got = f"{items_of(source)} of {source.name}"
         raise BadInput(f"expected {items_of(target)} as for {target.name}, got {got}")
 
@@ -287,19 +287,19 @@ def converting(participants, conversions):
     }
 
 
-def _amount(given, key, nominal, named, where, faults):
+def _amount(text, key, nominal, named, where, faults):
     """Return a positive entry of a wire in its source's unit; None if omitted or invalid.
 
     A number is a multiple of the nominal value.
     """
-    if given is None:
+    if text is None:
         return None
     try:
-        is_share = isinstance(given, float)
-        amount = given * nominal if is_share else quantity_of(given, named, is_difference=True)
+        is_share = isinstance(text, float)
+        amount = text * nominal if is_share else quantity_of(text, named, is_difference=True)
     except ValueError as error:
         faults.append(f"{where}, {key}: {error}")
         return None
     if not amount > 0:
-        faults.append(f"{where}, {key}: expected a positive value, got {given}")
+        faults.append(f"{where}, {key}: expected a positive value, got {text}")
     return amount

@@ -144,9 +144,9 @@ def separate_output():
         if out is sys.__stdout__ and out.fileno() == 1:
             out.flush()
             buffering = 1 if out.isatty() else -1
-            kept = open(os.dup(1), "w", buffering, encoding=out.encoding, errors=out.errors)
+            original = open(os.dup(1), "w", buffering, encoding=out.encoding, errors=out.errors)
             os.dup2(2, 1)
-            sys.stdout = kept
+            sys.stdout = original
 
 
 def say_faults(title, lines):

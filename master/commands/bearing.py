@@ -64,16 +64,18 @@ def command(
         Picture of the bearing: .png, .svg or .pdf.
     """
     part: Any = import_part("fmu_ehd.bearing")
-    given = dict(radius=radius, length=length, clearance=clearance, speed=speed, load=load, oil=oil)
-    given |= dict(supply=supply, supply_pressure=supply_pressure, groove_angle=groove_angle)
+    inputs = dict(
+        radius=radius, length=length, clearance=clearance, speed=speed, load=load, oil=oil
+    )
+    inputs |= dict(supply=supply, supply_pressure=supply_pressure, groove_angle=groove_angle)
     others = dict(parse_changes(set_)) | {"grid": grid}
-    if twice := [name for name in others if name in given]:
+    if twice := [name for name in others if name in inputs]:
         options = (name.replace("_", "-") for name in twice)
         raise BadInput([f"--set: expected --{name} instead, got {name}=..." for name in options])
     try:
-        result = part.bearing(**given, **others, progress=say)
+        result = part.bearing(**inputs, **others, progress=say)
     except BadInput as error:
-        raise BadInput([_of_option(fault, {*given, "grid"}) for fault in error.faults]) from None
+        raise BadInput([_of_option(fault, {*inputs, "grid"}) for fault in error.faults]) from None
     except Discard as error:
         raise Stopped(f"{error}; try another load, or roughness_rms for contact") from None
     tell(str(result), markup=False)

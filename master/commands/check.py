@@ -37,25 +37,25 @@ def command(
     picture
         Picture of skirt and bore: .png, .svg or .pdf. Default: results/CASE/check.png.
     """
-    found = check(source, parse_changes(set_), only)
-    print_checked(found, picture or default_folder(found.path) / "check.png")
+    checked = check(source, parse_changes(set_), only)
+    print_checked(checked, picture or default_folder(checked.path) / "check.png")
 
 
-def print_checked(found: CheckedCase, picture: Path):
+def print_checked(checked: CheckedCase, picture: Path):
     """Print the checks of a case and draw it; raise BadInput if it has faults."""
-    tell(f"[bold]{found.title}[/]")
-    for preview in found.previews.values():
+    tell(f"[bold]{checked.title}[/]")
+    for preview in checked.previews.values():
         print_figures(preview.figures)
-    for line in found.loop_table():
+    for line in checked.loop_table():
         tell(line, markup=False)
-    for kind, lines in (("[yellow]warning[/]", found.warnings), ("remark ", found.remarks)):
+    for kind, lines in (("[yellow]warning[/]", checked.warnings), ("remark ", checked.remarks)):
         for line in lines:
             tell(f"{kind}  {line}")
-    for file in found.draw(picture):
+    for file in checked.draw(picture):
         tell(f"picture  {file}")
-    if found.faults:
-        raise BadInput(found.faults)
-    numbers = {"warning": len(found.warnings), "remark": len(found.remarks)}
+    if checked.faults:
+        raise BadInput(checked.faults)
+    numbers = {"warning": len(checked.warnings), "remark": len(checked.remarks)}
     counts = [f"{n} {kind}{'s' * (n > 1)}" for kind, n in numbers.items() if n]
     tell(", ".join(["[green]no faults[/]", *counts]))
 

@@ -182,20 +182,20 @@ def body_skins(runs, case) -> dict[str, dict[str, list[Any]]]:
     """
     from ..api.bodies import OFFLINE, build_tables
 
-    found = {}
+    skins = {}
     for label, results in runs.items():
         folder = case_folder(results, case)
         known = {}
-        found[label] = {}
+        skins[label] = {}
         for name, table in build_tables(results.case, players(results.case, "bodies")).items():
             key = json.dumps(table)
             try:
                 if key not in known:
                     known[key] = import_part(OFFLINE).skins(table, folder, say)
-                found[label][name] = known[key]
+                skins[label][name] = known[key]
             except BadInput as error:
                 say(f"{label}: no bodies of {name} are drawn: {error}; --case names their folder")
-    return {label: own for label, own in found.items() if own}
+    return {label: own for label, own in skins.items() if own}
 
 
 def page_of(case, runs, folder, *, source=None, measured=None):
@@ -271,19 +271,19 @@ def print_compared(runs):
     trees = tuple(results.case for results in runs.values())
     cases = [check_case(tree, results.path) for tree, results in zip(trees, runs.values())]
     answers = [answer(case, results) for case, results in zip(cases, runs.values())]
-    found = compared(tuple(runs), trees, [one.table for one in answers])
-    tell(found.headline, markup=False)
-    table = Table("", *found.names, "difference", box=None, pad_edge=False)
-    for row in found.rows:
+    comparison = compared(tuple(runs), trees, [one.table for one in answers])
+    tell(comparison.headline, markup=False)
+    table = Table("", *comparison.names, "difference", box=None, pad_edge=False)
+    for row in comparison.rows:
         table.add_row(row.label, row.first.figure, row.second.figure, row.text)
-    if found.rows:
+    if comparison.rows:
         wide_console().print(table, highlight=False)
-    for name, one in zip(found.names, answers):
+    for name, one in zip(comparison.names, answers):
         if failed := failed_checks(one.verdicts):
             say(f"warning: {name}: the checks {', '.join(failed)} fail")
-    for remark in found.remarks:
+    for remark in comparison.remarks:
         say(remark)
-    return found.headline
+    return comparison.headline
 
 
 def draw_pictures(case, runs, folder, kind=None, paper=False):

@@ -50,13 +50,13 @@ def command(
     if json_schema_:
         print(json.dumps(json_schema(tree, path.parent), indent=1))
         return
-    found = case_keys(tree, path.parent)
+    all_keys = case_keys(tree, path.parent)
     if word is None:
-        print_tables([key for key in found if advanced or ".advanced." not in key.path])
+        print_tables([key for key in all_keys if advanced or ".advanced." not in key.path])
         return
     oils = matching_oils(library_oils(tree), word)
     try:
-        chosen, is_table = chosen_keys(found, word)
+        chosen, is_table = chosen_keys(all_keys, word)
     except BadInput:
         if not oils:
             raise

@@ -70,8 +70,8 @@ def command(
         STEP file of the piston in the same axes. The extra `mesh` (gmsh) meshes it.
     """
     made = engine(vars(sizes), peak_pressure, motored)
-    given = {"--piston": piston, "--mesh": mesh, "--step": step}
-    if len(named := [option for option, value in given.items() if value]) > 1:
+    sources = {"--piston": piston, "--mesh": mesh, "--step": step}
+    if len(named := [option for option, value in sources.items() if value]) > 1:
         raise BadInput(f"{named[0]}: expected one source of the piston, got {' and '.join(named)}")
     with tempfile.TemporaryDirectory() as place:
         if step:
@@ -81,11 +81,11 @@ def command(
             mesh = Path(place) / "piston.msh.xz"
             with working(console, "meshing"):
                 mesh_of_sizes(made, piston, mesh)
-        found = write_case(made, name, mesh)
-    found.warnings.extend(unusual(made))
+        checked = write_case(made, name, mesh)
+    checked.warnings.extend(unusual(made))
     if str(name) in case_names():
         text = "a shipped case has this name; in this folder, commands use yours"
-        found.remarks.append(f"{name}: {text}")
-    tell(f"case     {found.path}")
-    print_checked(found, name / "check.png")
+        checked.remarks.append(f"{name}: {text}")
+    tell(f"case     {checked.path}")
+    print_checked(checked, name / "check.png")
     tell(f"run it   piston-cosim run {quote(str(name))}", markup=False)

@@ -70,7 +70,7 @@ def command(
     picture
         Picture of the profile: .png, .svg or .pdf. Default: results/profile/FILE.png.
     """
-    given = {
+    entries = {
         "angle_unit": (angle_unit, "rad"),
         "height_unit": (height_unit, "m"),
         "value_unit": (value_unit, "m"),
@@ -79,7 +79,7 @@ def command(
         "skirt_upper": (skirt_upper, "m"),
         "radius": (radius, "m"),
     }
-    *units, turned, lower, upper, size = for_all(_in_si, given.items())
+    *units, turned, lower, upper, size = for_all(_in_si, entries.items())
     if output and output.exists() and file.exists() and output.samefile(file):
         raise BadInput(f"--output: expected another file than the profile, got {str(output)!r}")
     reader: Any = import_part(READER)

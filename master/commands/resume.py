@@ -34,14 +34,14 @@ def command(checkpoint: Path, /, *, verbose: Annotated[bool, Parameter(negative=
         raise BadInput(f"CHECKPOINT: expected a file *.h5.checkpoint, got {str(checkpoint)!r}")
     shown = checkpoint.with_suffix("")
     checkpoint = checkpoint.absolute()  # an FMU may change the working directory
-    kept = Checkpoint.read(checkpoint)
+    saved = Checkpoint.read(checkpoint)
     output = checkpoint.with_suffix("")
-    check_code(kept, say)
-    case = check_case(kept.tree, checkpoint)
-    system = open_system(case, Path(kept.folder), say)
+    check_code(saved, say)
+    case = check_case(saved.tree, checkpoint)
+    system = open_system(case, Path(saved.folder), say)
     log = say if verbose else lambda line: None
     with watching(console, output.stem) as watch:
-        summary = complete_run(system, case, kept.tree, output, watch, kept, say=say, log=log)
+        summary = complete_run(system, case, saved.tree, output, watch, saved, say=say, log=log)
     if verbose:
         print_summary(console, {output.stem: summary})
     with Results(output) as results:

@@ -131,16 +131,16 @@ class Iteration:
         self.all_ends: list[Any] = [interface.ends[name] for name in self.names]
         layout, wires = interface.layout, len(interface.wires)
         rows: list[ParticipantRow] = []
-        end = standing = 0
+        end = saved = 0
         for k, ends in enumerate(self.all_ends):
             variables = _variables(ends)
             reals = 2 * variables
-            places = dict(real=end, integer=end + reals, memory=end + reals, standing=standing)
+            places = dict(real=end, integer=end + reals, memory=end + reals, saved=saved)
             sizes = dict(reals=reals, memories=EMPTY, variables=variables)
             rows.append(ParticipantRow(FIRST_CALLED + k, **places, **sizes))
             end += reals + EMPTY
-            standing += variables
-        given = CoupledSetup(
+            saved += variables
+        setup = CoupledSetup(
             Rules(
                 *(0.0, 0.0, 0.0, 1, 0),  # Python steps
                 newton.max_iterations,
@@ -149,7 +149,7 @@ class Iteration:
                 newton.forcing,
             ),
             layout,
-            standing=standing,
+            saved=saved,
             pairs=min(KEPT, len(layout.unknowns)),
             order=np.arange(len(rows), dtype=float),
             starting=np.zeros(0),
@@ -158,14 +158,14 @@ class Iteration:
             exposed=ExposedVariables(*np.zeros((len(ExposedVariables._fields), 0, 0))),
             contents=np.zeros(0),
         )
-        lengths, unsaved = lengths_of(given, end, 0)
+        lengths, unsaved = lengths_of(setup, end, 0)
         first = memory_of(
-            {"given": row_of(given)}, dict(zip(CoupledMemory._fields[1:], lengths)), unsaved
+            {"setup": row_of(setup)}, dict(zip(CoupledMemory._fields[1:], lengths)), unsaved
         )
         self.block = np.zeros(int(first[0]))
         self.block[: len(first)] = first
         parts = parts_of(self.block)
-        parts.state[:] = row_of(nothing_yet(given))
+        parts.state[:] = row_of(nothing_yet(setup))
         self.pairs = state_from(parts.state).pairs
         self.x = np.empty(interface.size)
         self.numbers = np.zeros(NOTED + newton.max_iterations * wires)
@@ -182,7 +182,7 @@ class Iteration:
         component, functions = participant.addresses(FUNCTIONS)
         called = Called(component)
         called.functions[:] = functions
-        called.inputs, called.input_count = ends.given.references
+        called.inputs, called.input_count = ends.written.references
         called.outputs, called.output_count = ends.taken.references
         return called
 
@@ -192,8 +192,8 @@ class Iteration:
         wire, part = interface.wires[k], interface.parts[k]
         ends = dict[str, Any](interface.ends)
         source, target = ends[wire.source[0]], ends[wire.target[0]]
-        source_place = source.given.values.size + source.taken.parts[wire.source[1]].start
-        target_place = target.given.parts[wire.target[1]].start
+        source_place = source.written.values.size + source.taken.parts[wire.source[1]].start
+        target_place = target.written.parts[wire.target[1]].start
         return WireRow(
             source=self.names.index(wire.source[0]),
             source_place=source_place,
@@ -228,8 +228,8 @@ class Iteration:
         trail = measures.tolist()
         self.interface.trail += trail
         for one, ends in zip(participants.values(), self.all_ends):
-            ends.given.values[ends.of_given] = self.x[ends.into]
-            one.note_written(ends.given)
+            ends.written.values[ends.of_written] = self.x[ends.into]
+            one.note_written(ends.written)
         history = tuple(map(max, trail))
         return Solution(self.x.copy(), history, evaluations - 1, products)
 
@@ -250,4 +250,4 @@ class Iteration:
 
 def _variables(ends: Ends) -> int:
     """Return the number of elements of inputs and outputs."""
-    return ends.given.values.size + ends.taken.values.size
+    return ends.written.values.size + ends.taken.values.size

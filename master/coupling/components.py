@@ -61,17 +61,17 @@ def components(system: System) -> list[Component]:
         reaches |= np.outer(reaches[:, k], reaches[k])
     joined = reaches & reaches.T
     before = reaches.sum(axis=0)
-    found: list[Component] = []
+    groups: list[Component] = []
     for name in sorted(index, key=lambda name: (before[index[name]], index[name])):
         names = [other for other in index if joined[index[name], index[other]]]
         if len(names) > 1 or name in looped:
             if name == names[0]:
-                found.append(Component(tuple(names), True, tuple(n for n in names if not able[n])))
-        elif found and not found[-1].is_loop and able[found[-1].names[0]] == able[name]:
-            found[-1] = Component((*found[-1].names, name))
+                groups.append(Component(tuple(names), True, tuple(n for n in names if not able[n])))
+        elif groups and not groups[-1].is_loop and able[groups[-1].names[0]] == able[name]:
+            groups[-1] = Component((*groups[-1].names, name))
         else:
-            found.append(Component((name,)))
-    return found
+            groups.append(Component((name,)))
+    return groups
 
 
 def rolled_back(system: System, iterates: bool = True) -> list[str]:
@@ -81,8 +81,8 @@ def rolled_back(system: System, iterates: bool = True) -> list[str]:
     """
     if any(wire.local_error is not None for wire in system.wires):
         return list(system.order)
-    found = components(system) if iterates else []
-    return [name for one in found if one.is_iterated for name in one.names]
+    groups = components(system) if iterates else []
+    return [name for one in groups if one.is_iterated for name in one.names]
 
 
 def by_components(method: Method, system: System, halvings: int) -> Method:
@@ -90,10 +90,10 @@ def by_components(method: Method, system: System, halvings: int) -> Method:
 
     The method itself solves a system of one loop that can be iterated. `Explicit` never changes.
     """
-    found = components(system)
-    if isinstance(method, Explicit) or (len(found) == 1 and found[0].is_iterated):
+    groups = components(system)
+    if isinstance(method, Explicit) or (len(groups) == 1 and groups[0].is_iterated):
         return method
-    return Componentwise(method, found, system.parallel, halvings)
+    return Componentwise(method, groups, system.parallel, halvings)
 
 
 def table(system: System, method: str) -> list[str]:
@@ -104,13 +104,13 @@ def table(system: System, method: str) -> list[str]:
 
     method : name of the method, as in the case.
     """
-    found = components(system)
-    if method == "explicit" or not system.wires or (len(found) == 1 and found[0].is_iterated):
+    groups = components(system)
+    if method == "explicit" or not system.wires or (len(groups) == 1 and groups[0].is_iterated):
         return []
-    if not any(one.is_loop for one in found):
+    if not any(one.is_loop for one in groups):
         return ["the wires form no loop: every participant steps once"]
     lines = ["components of the wires, in stepping order:"]
-    for one in found:
+    for one in groups:
         how = method if one.is_iterated else "explicit" if one.is_loop else "once"
         why = f"  ({', '.join(one.fixed)} cannot restore a saved state)" if one.fixed else ""
         lines.append(f"  {how:10s} {', '.join(one.names)}{why}")
@@ -141,15 +141,15 @@ class Part(NamedTuple):
     """A component ready to step.
 
     interface : its participants, `Upstream` the first of them if wires come from there, and the
-    wires that end in it; wires, elements : which of the system's these are; given : which elements
-    come from upstream; method : how it is solved.
+    wires that end in it; wires, elements : which of the system's these are; from_upstream : for
+    each element; method : how it is solved.
     """
 
     component: Component
     interface: Interface
     wires: np.ndarray
     elements: np.ndarray
-    given: np.ndarray
+    from_upstream: np.ndarray
     method: Method
 
     def of(self, macro_step: MacroStep) -> MacroStep:
@@ -172,13 +172,13 @@ def part(whole: Interface, one: Component, method: Method, parallel: bool) -> Pa
         participants = {UPSTREAM: Upstream(whole.participants)} | participants
     indices = np.arange(whole.size)
     elements = [indices[whole.parts[k]] for k in chosen]
-    given = [np.full(len(e), w.source[0] == UPSTREAM) for w, e in zip(wires, elements)]
+    from_upstream = [np.full(len(e), w.source[0] == UPSTREAM) for w, e in zip(wires, elements)]
     return Part(
         component=one,
         interface=Interface(participants, wires, parallel and one.is_loop, discrete),
         wires=np.array(chosen, int),
         elements=np.concatenate([*elements, np.zeros(0, int)]),
-        given=np.concatenate([*given, np.zeros(0, bool)]),
+        from_upstream=np.concatenate([*from_upstream, np.zeros(0, bool)]),
         method=copy(method) if one.is_iterated else Explicit(),
     )
 
@@ -200,8 +200,10 @@ class Componentwise:
         How often in a row the step of a component may be halved.
     """
 
-    def __init__(self, method: Method, found: Sequence[Component], parallel: bool, halvings: int):
-        self.method, self.components, self.halvings = method, found, halvings
+    def __init__(
+        self, method: Method, components: Sequence[Component], parallel: bool, halvings: int
+    ):
+        self.method, self.components, self.halvings = method, components, halvings
         self.parallel = parallel
         self.remembered = getattr(method, "remembered", ())
         self._whole: Interface | None = None
@@ -219,7 +221,7 @@ class Componentwise:
             self._whole = whole
             self._parts = [part(whole, one, self.method, self.parallel) for one in self.components]
         whole.late.clear()  # that of the parts counts
-        x, held = guess.copy(), guess.copy()
+        x, inputs = guess.copy(), guess.copy()
         solutions: list[Solution] = []
         trails: list[tuple[np.ndarray, list[list[float]]]] = []
         try:
@@ -228,7 +230,7 @@ class Componentwise:
                 trails.append((own.wires, own.interface.trail))
                 halvings = self.halvings if self._is_past(macro_step, k) else 0
                 solution = self._solved(own, macro_step, guess, memory[k], halvings)
-                x[own.elements], held[own.elements] = solution.x, solution.inputs
+                x[own.elements], inputs[own.elements] = solution.x, solution.inputs
                 solutions.append(solution)
         finally:
             whole.trail += _merged(trails, len(whole.wires))
@@ -239,7 +241,7 @@ class Componentwise:
             jacobians=sum(one.jacobians for one in solutions),
             products=sum(one.products for one in solutions),
             probes=sum(one.probes for one in solutions),
-            held=held,
+            held=inputs,
             messages=tuple(message for one in solutions for message in one.messages),
             unsettled=sum(one.unsettled for one in solutions),
         )
@@ -257,9 +259,9 @@ class Componentwise:
         component, interface = part.component, part.interface
         own = part.of(macro_step)
         first = guess[part.elements]
-        if part.given.any() or not component.is_iterated:
-            given = part.given if component.is_iterated else slice(None)
-            first[given] = interface.read()[given]
+        if part.from_upstream.any() or not component.is_iterated:
+            elements = part.from_upstream if component.is_iterated else slice(None)
+            first[elements] = interface.read()[elements]
         try:
             return solve_settled(part.method, own, first, memory)
         except Ticked:

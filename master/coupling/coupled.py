@@ -169,12 +169,12 @@ class Coupled(FieldSlave):
         }
         coupling = options.coupling
         self.system = System(
-            participants,
-            options.order,
-            options.wires,
-            parameters,
-            np.inf,
-            options.step,
+            participants=participants,
+            order=options.order,
+            wires=options.wires,
+            parameters=parameters,
+            stop=np.inf,
+            step=options.step,
             parallel=coupling.parallel,
             limits=options.limits,
         )
@@ -194,9 +194,9 @@ class Coupled(FieldSlave):
         if not asked <= MOST_STEPS:
             a, b, c = (f"{x:g}" for x in (step, MOST_STEPS, self.system.step))
             raise Discard(TOO_LONG.format(a=a, b=b, c=c))
-        if state is not self.standing:
+        if state is not self.current:
             thaw(self.stepper, state.data.tobytes())
-        self.standing = None
+        self.current = None
         ports = self.inside.input | self.inside.parameter
         for v in self.given_to_steps:
             owner, name = ports[v.name]
@@ -212,18 +212,18 @@ class Coupled(FieldSlave):
         except StepFailed as failure:
             raise Discard(str(failure)) from None
 
-        def again(given: dict[str, Any]):
-            return self.advance(state, given, time, step)
+        def again(inputs: dict[str, Any]):
+            return self.advance(state, inputs, time, step)
 
         return self._reached(values, again)
 
     def _reached(self, values: dict[str, Any], again: Again) -> tuple[CoupledState, dict[str, Any]]:
         """Return the present state and outputs, and note how to repeat the step."""
         self._pass_on()
-        self.standing = self._state()
+        self.current = self._state()
         outputs = self._outputs()
         self.last = LastMacroStep(values, outputs, again)
-        return self.standing, outputs
+        return self.current, outputs
 
     def _pass_on(self):
         """Log the warnings of the participants and wires."""
@@ -290,12 +290,12 @@ class Coupled(FieldSlave):
         A step from the saved state then has the same bits as the next step of this instance.
         """
         if self.state is not None:
-            if self.state is not self.standing:
+            if self.state is not self.current:
                 thaw(self.stepper, self.state.data.tobytes())
             gmres = getattr(self.stepper.memory, "krylov", self.stepper.memory)
             if isinstance(gmres, RecycledGmres):
                 gmres.pairs = None
-            self.state = self.standing = self._state()
+            self.state = self.current = self._state()
         return super()._get_fmu_state()
 
     def _restored(self, members: dict[str, Any]):
@@ -305,5 +305,5 @@ class Coupled(FieldSlave):
             thaw(self.stepper, state.data.tobytes())
         except (AttributeError, TypeError, ValueError) as error:
             return self._refuse(f"expected a state of this FMU, got another: {error}")
-        self.standing = state
+        self.current = state
         return state

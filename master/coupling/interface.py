@@ -49,13 +49,13 @@ class Ends:
         self.participant = participant
         self.inputs = tuple(end.variable for end in inputs)
         self.outputs = tuple(dict.fromkeys(end.variable for end in outputs))
-        self.given = block_of(participant, self.inputs, "written")
+        self.written = block_of(participant, self.inputs, "written")
         self.taken = block_of(participant, self.outputs)
         self.derive = getattr(participant, "derive", None) or partial(derive_each, participant)
         self.nominals = [participant.fields[name].nominal for name in self.inputs]
         ends = np.cumsum([0, *(end.part.stop - end.part.start for end in inputs)])
         self.starts = ends[:-1]
-        self.into, self.of_given = _positions([end.part for end in inputs])
+        self.into, self.of_written = _positions([end.part for end in inputs])
         self.out, self.of_taken = _positions([end.part for end in outputs])
         if (repeated := _repeated(outputs)) is not None:
             self.of_taken = repeated
@@ -64,12 +64,12 @@ class Ends:
 
     def feed(self, values: Any) -> None:
         """Set the inputs to their elements of the vector."""
-        self.given.values[self.of_given] = values
-        self.given.put()
+        self.written.values[self.of_written] = values
+        self.written.put()
 
-    def differentiate(self, seen: np.ndarray, result: np.ndarray) -> None:
+    def differentiate(self, change: np.ndarray, result: np.ndarray) -> None:
         """Write the change of the outputs for a change of the inputs."""
-        values = self.derive(self.inputs, np.atleast_1d(seen[self.into]), self.outputs)
+        values = self.derive(self.inputs, np.atleast_1d(change[self.into]), self.outputs)
         result[self.out] = values[self.of_taken]
 
     def values(self) -> Any:
@@ -86,7 +86,7 @@ class Ends:
 
     def largest_change(self, change: Any, values: Any) -> float:
         """Return the largest change of an input, relative to its nominal value or its size."""
-        if self.of_given == 0:
+        if self.of_written == 0:
             return abs(change) / (self.nominals[0] or abs(values) or 1.0)
         pairs = [np.maximum.reduceat(np.abs(v), self.starts).tolist() for v in (change, values)]
         return largest([a / (n or b or 1.0) for n, a, b in zip(self.nominals, *pairs)])
@@ -196,12 +196,14 @@ class Interface:
         is_small = 0 < self.size <= SMALL and set(sizes) == {1} and self.tolerance.all()
         scalars = is_small and not self.relative
         self._scalar_tolerances = self.tolerance.tolist() if scalars else None
-        self.apart = {name for name, p in participants.items() if getattr(p, "runs_apart", False)}
+        self.separate = {
+            name for name, p in participants.items() if getattr(p, "runs_apart", False)
+        }
         self.derived = {name for name, p in participants.items() if p.has_derivatives}
         if self.difference == DIFFERENCE:
             # those apart repeat a step by themselves, which takes fewer messages
-            self.derived |= self.apart - self.discrete_inputs.keys()
-        self.stages = self._stages(against) if self.apart else [[name] for name in participants]
+            self.derived |= self.separate - self.discrete_inputs.keys()
+        self.stages = self._stages(against) if self.separate else [[name] for name in participants]
 
     def _stages(self, against: Sequence[bool]) -> list[list[str]]:
         """Participants by the longest chain of wires along the order that leads to them."""
@@ -282,12 +284,12 @@ class Interface:
                     self._carry(name)
             fed = perf_counter()
             transport += fed - now
-            if step and self.apart:
+            if step and self.separate:
                 self._step(stage, *step)
             elif step:  # a stage of one
                 self.participants[stage[0]].step(*step)
             now = perf_counter()
-            if not self.apart:
+            if not self.separate:
                 spent[stage[0]] += now - fed
             for name in stage:
                 self.ends[name].hear(used, y)
@@ -312,12 +314,12 @@ class Interface:
         A discarded step or a fault is raised after all of them have answered.
         """
         participants: Mapping[str, Any] = self.participants  # begin_step: only where apart
-        apart = [name for name in stage if name in self.apart]
-        here = [name for name in stage if name not in self.apart]
+        separate = [name for name in stage if name in self.separate]
+        here = [name for name in stage if name not in self.separate]
         calls = [
-            *((name, partial(participants[name].begin_step, time, step)) for name in apart),
+            *((name, partial(participants[name].begin_step, time, step)) for name in separate),
             *((name, partial(participants[name].step, time, step)) for name in here),
-            *((name, participants[name].end_step) for name in apart),
+            *((name, participants[name].end_step) for name in separate),
         ]
         failures: dict[str, Discard | ParticipantFault] = {}
         for name, call in calls:
@@ -349,20 +351,20 @@ class Interface:
         ndarray, shape (size,)
             Change of all outputs.
         """
-        seen = np.zeros(self.size)
-        seen[self.unknowns] = change[self.unknowns]
+        input_change = np.zeros(self.size)
+        input_change[self.unknowns] = change[self.unknowns]
         result = np.zeros(self.size)
         for name, ends in self.ends.items():
             if not (ends.inputs and ends.outputs):
                 continue  # nothing depends on it, or it depends on nothing
             begun = perf_counter()
             if name in self.derived or self._last is None:
-                ends.differentiate(seen, result)
+                ends.differentiate(input_change, result)
             else:
-                result[ends.out] = self._difference(name, *self._last, seen[ends.into])
+                result[ends.out] = self._difference(name, *self._last, input_change[ends.into])
             self.spent[name] += perf_counter() - begun
             if ends.forward is not None:
-                seen[ends.forward] = result[ends.forward]
+                input_change[ends.forward] = result[ends.forward]
         return result
 
     def _difference(
@@ -378,13 +380,13 @@ class Interface:
         at, step, saved : the last evaluation, and what it was computed from.
         """
         ends = self.ends[name]
-        given = at.used[ends.into]
-        largest_change = ends.largest_change(change, given)
+        inputs = at.used[ends.into]
+        largest_change = ends.largest_change(change, inputs)
         if largest_change <= NEGLIGIBLE:
             return 0.0
         share = self.difference / largest_change
         ends.participant.restore(saved[name])
-        ends.feed(given + share * change)
+        ends.feed(inputs + share * change)
         for wire in self.discrete_inputs.get(name, ()):
             ends.participant.set(wire.target[1], self._carried[wire])
         ends.participant.step(*step)

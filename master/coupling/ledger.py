@@ -60,7 +60,7 @@ class Balance(NamedTuple):
         return sum(self.amounts.values())
 
 
-def together(parts: Sequence[Balance]) -> Balance:
+def total_balance(parts: Sequence[Balance]) -> Balance:
     """Return the balance of a macro step from those of its parts."""
     if len(parts) == 1:
         return parts[0]

@@ -70,8 +70,8 @@ def loops(system: System) -> list[Loop]:
     saved states are started again for each. The participants are no longer to be run afterwards.
     """
     system = tried(system, trials(system))
-    found = components(system)
-    fixed = {name for one in found for name in one.fixed}
+    groups = components(system)
+    fixed = {name for one in groups for name in one.fixed}
     known: dict[str, Any] = {
         name: _restarted(system, name) if name in fixed else participant
         for name, participant in system.participants.items()
@@ -84,7 +84,7 @@ def loops(system: System) -> list[Loop]:
     )
     return [
         _loop(part(whole, one, Explicit(), system.parallel), system) if one.is_loop else Loop(one)
-        for one in found
+        for one in groups
     ]
 
 

@@ -20,7 +20,6 @@ from .native_block import (
     CoupledState,
     LastMacroStep,
     exposed_from,
-    given_of,
     is_state,
     last_from,
     nothing_yet,
@@ -29,6 +28,7 @@ from .native_block import (
     put_last,
     put_state,
     rules_of,
+    setup_of,
     state_of,
 )
 from .native_system import (
@@ -57,17 +57,19 @@ OUTWARD, INWARD = 1.0, 0.0
 
 
 @compiled
-def carry(real: np.ndarray, integer: np.ndarray, system: System, rows: np.ndarray, way: float):
+def carry(
+    real: np.ndarray, integer: np.ndarray, system: System, rows: np.ndarray, direction: float
+):
     """Copy variables of the FMU to the participants, or from them."""
     for k in range(len(rows)):
         one = exposed_from(rows[k])
         for i in range(one.length):
             outer, inner = one.place + i, one.own_place + i
-            if one.is_integer and way == OUTWARD:
+            if one.is_integer and direction == OUTWARD:
                 integer[outer] = integer_of(system, one.owner)[inner]
             elif one.is_integer:
                 integer_of(system, one.owner)[inner] = integer[outer]
-            elif way == OUTWARD:
+            elif direction == OUTWARD:
                 real[outer] = real_of(system, one.owner)[inner]
             else:
                 real_of(system, one.owner)[inner] = real[outer]
@@ -118,7 +120,7 @@ def longest_step(system: System, limits: np.ndarray) -> float:
 class StepBegin(NamedTuple):
     """Members of `CoupledState` at the begin of a macro step, but the pairs."""
 
-    standing: np.ndarray
+    saved: np.ndarray
     known: np.ndarray
     times: np.ndarray
     past: np.ndarray
@@ -127,15 +129,13 @@ class StepBegin(NamedTuple):
 @compiled
 def begin_of(state: CoupledState):
     """Return copies of the state at the begin of a macro step, which is saved."""
-    return StepBegin(
-        state.standing.copy(), state.known.copy(), state.times.copy(), state.past.copy()
-    )
+    return StepBegin(state.saved.copy(), state.known.copy(), state.times.copy(), state.past.copy())
 
 
 @compiled
 def return_to(begin: StepBegin, system: System, state: CoupledState):
     """Return to the begin of a macro step, and forget the products of its parts."""
-    keep(state.standing, begin.standing)
+    keep(state.saved, begin.saved)
     keep(state.known, begin.known)
     keep(state.times, begin.times)
     for k in range(len(state.past)):
@@ -173,7 +173,7 @@ def resolve(memory: np.ndarray, time: float, step: float, most: int):
     """Take a macro step in parts that resolve the motion, as `Stepper._resolve`."""
     system = system_of(memory)
     state = state_of(memory)
-    limits = given_of(memory).exposed.limits
+    limits = setup_of(memory).exposed.limits
     x = np.zeros(len(system.layout.nominal))
     longest = longest_step(system, limits)
     nothing = np.zeros(0)
@@ -213,7 +213,7 @@ def macro_step(memory: np.ndarray, time: float, step: float):
     system = system_of(memory)
     state = state_of(memory)
     halvings = rules_of(memory).halvings
-    most = min(REPETITIONS, halvings) if len(given_of(memory).exposed.limits) > 0 else 0
+    most = min(REPETITIONS, halvings) if len(setup_of(memory).exposed.limits) > 0 else 0
     if most > 0 and resolve(memory, time, step, most):
         return True
     x = np.zeros(len(system.layout.nominal))
@@ -269,14 +269,14 @@ def load(system: System, contents: np.ndarray, p: int):
     one = participant_from(system.participants[p])
     own = system.inside[one.memory : one.memory + one.memories]
     keep(own, np.zeros(len(own)))
-    keep(own[: one.given], contents[one.contents : one.contents + one.given])
+    keep(own[: one.setup], contents[one.contents : one.contents + one.setup])
 
 
 @compiled
 def load_variables(system: System, contents: np.ndarray, p: int):
     """Set the variables of a participant to their start values."""
     one = participant_from(system.participants[p])
-    first = one.contents + one.given
+    first = one.contents + one.setup
     middle = first + one.reals
     keep(real_of(system, p), contents[first:middle])
     keep(integer_of(system, p), contents[middle : middle + one.integers].view(np.int64))
@@ -289,19 +289,19 @@ def begin(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
     They start twice: a film's forces at the start follow from the gap of the bodies, whose
     accelerations follow from these forces, and nothing else at a start depends on an input.
     """
-    given = given_of(memory)
+    setup = setup_of(memory)
     system = system_of(memory)
     for p in range(len(system.participants)):
-        load_variables(system, given.contents, p)
-    carry(real, integer, system, given.exposed.parameters, INWARD)
-    carry(real, integer, system, given.exposed.inputs, INWARD)
-    y = np.zeros(len(given.layout.nominal))
+        load_variables(system, setup.contents, p)
+    carry(real, integer, system, setup.exposed.parameters, INWARD)
+    carry(real, integer, system, setup.exposed.inputs, INWARD)
+    y = np.zeros(len(setup.layout.nominal))
     started = np.zeros(len(system.participants))
     numbers = np.zeros(4)
     for _ in range(2):
-        for k in range(len(given.starting)):
-            p = int(given.starting[k])
-            load(system, given.contents, p)
+        for k in range(len(setup.starting)):
+            p = int(setup.starting[k])
+            load(system, setup.contents, p)
             is_fed = True
             for w in range(len(system.wires)):
                 wire = wire_of(system, w)
@@ -342,7 +342,7 @@ def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     keep(parts.before, parts.state)
     system = system_of(memory)
     restore(system)
-    exposed = given_of(memory).exposed
+    exposed = setup_of(memory).exposed
     carry(real, integer, system, exposed.parameters, INWARD)  # tunable ones may have changed
     carry(real, integer, system, exposed.inputs, INWARD)
     if reach(memory, numbers[1], numbers[0]):
@@ -360,7 +360,7 @@ def clear(memory: np.ndarray):
     """Initialise the parts of the memory that change."""
     parts = parts_of(memory)
     parts.last[0] = 0.0
-    state = nothing_yet(given_of(memory))
+    state = nothing_yet(setup_of(memory))
     put_state(parts.state, state)
     put_state(parts.before, state)
 
@@ -371,7 +371,7 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     parts_of(memory).faults[0] = 0.0
     clear(memory)
     if begin(real, integer, memory):
-        carry(real, integer, system_of(memory), given_of(memory).exposed.outputs, OUTWARD)
+        carry(real, integer, system_of(memory), setup_of(memory).exposed.outputs, OUTWARD)
         remember(real, memory, 0.0, 0.0)
 
 
@@ -380,7 +380,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     """Take a communication step; numbers : as of `go_on`."""
     parts_of(memory).faults[0] = 0.0
     if go_on(real, integer, memory, numbers):
-        carry(real, integer, system_of(memory), given_of(memory).exposed.outputs, OUTWARD)
+        carry(real, integer, system_of(memory), setup_of(memory).exposed.outputs, OUTWARD)
         remember(real, memory, numbers[1], numbers[0])
 
 
@@ -447,7 +447,7 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
     """
     parts = parts_of(memory)
     last = last_from(parts.last)
-    exposed = given_of(memory).exposed
+    exposed = setup_of(memory).exposed
     parts.faults[0] = 0.0
     if not last.is_there:
         refuse(parts.faults, FAULT.no_step, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -475,7 +475,7 @@ def iterate(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 
 PART = NativePart(
     entries=(start, advance, tangent, iterate),
-    given=np.asarray,  # native_given.coupled_inside has laid it out
+    setup=np.asarray,  # native_given.coupled_inside has laid it out
     faults=tuple(SENTENCES.values()),
     refusal="",
 )

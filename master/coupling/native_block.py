@@ -51,9 +51,9 @@ class ParticipantRow(NamedTuple):
     first_state, states, first_fault : positions in its memory, and length of the state;
     sentence : number of its first sentence;
     variables : number of real variables without seeds and products;
-    given, contents : length of the first part of its memory, and position in
+    setup, contents : length of the first part of its memory, and position in
     `CoupledSetup.contents`;
-    standing : position in `CoupledState.standing`.
+    saved : position in `CoupledState.saved`.
     """
 
     code: int
@@ -68,9 +68,9 @@ class ParticipantRow(NamedTuple):
     first_fault: int = 0
     sentence: int = 0
     variables: int = 0
-    given: int = 0
+    setup: int = 0
     contents: int = 0
-    standing: int = 0
+    saved: int = 0
 
 
 class WireRow(NamedTuple):
@@ -144,14 +144,14 @@ class ExposedVariables(NamedTuple):
 class CoupledSetup(NamedTuple):
     """First part of the memory.
 
-    standing, pairs : elements of `CoupledState.standing`; pairs of GMRES.
+    saved, pairs : elements of `CoupledState.saved`; pairs of GMRES.
     order, starting : participants;
     participants, wires : rows; contents : of participants' memories and variables.
     """
 
     rules: Rules
     layout: Layout
-    standing: int
+    saved: int
     pairs: int
     order: Annotated[Array, "count"]
     starting: Annotated[Array, "count"]
@@ -167,11 +167,11 @@ class CoupledSetup(NamedTuple):
 class CoupledState(NamedTuple):
     """State between macro steps.
 
-    standing : variables and states of all participants; times, past : accepted vectors, the oldest
+    saved : variables and states of all participants; times, past : accepted vectors, the oldest
     first, of which the first `known` are valid; pairs : the last member, which a saved state omits.
     """
 
-    standing: Annotated[Array, "standing"]
+    saved: Annotated[Array, "saved"]
     known: Number
     times: Annotated[Array, "predicted"]
     past: Annotated[Array, "predicted, size"]
@@ -197,7 +197,7 @@ class CoupledMemory(NamedTuple):
     inside : variables and memories of the participants; before : state at the begin of the step.
     """
 
-    given: Vector
+    setup: Vector
     inside: Vector
     state: Vector
     before: Vector
@@ -210,41 +210,41 @@ parts_of = parts(CoupledMemory)
 _, participant_from = flatten(ParticipantRow)
 _, wire_from = flatten(WireRow)
 _, exposed_from = flatten(ExposedRow)
-given_from = reader(CoupledSetup)
+setup_from = reader(CoupledSetup)
 put_state, state_from = flatten(CoupledState)
 _has_lengths = alike(CoupledState)
 put_last, last_from = flatten(LastMacroStep)
 
 
-def lengths_of(given: CoupledSetup, inside: int, reals: int):
+def lengths_of(setup: CoupledSetup, inside: int, reals: int):
     """Return the lengths of all parts after the first one, and the end that is not saved.
 
     inside : length of the part of this name; reals : number of real variables.
     """
-    size, unknowns = len(given.layout.nominal), len(given.layout.unknowns)
-    state = _room_of_state(given.standing, given.rules.predicted, size, given.pairs, unknowns)
+    size, unknowns = len(setup.layout.nominal), len(setup.layout.unknowns)
+    state = _room_of_state(setup.saved, setup.rules.predicted, size, setup.pairs, unknowns)
     lengths = inside, state, state, _room_of_last(reals), ROOM, ROOM
-    return lengths, _room_of_pairs(given.pairs, unknowns)
+    return lengths, _room_of_pairs(setup.pairs, unknowns)
 
 
 SOLVED, FOUND = 2, 3
 """Positions in the numbers of `native.iterate`, behind step and time: 1 if there is a solution, and
 the first of what `find` notes.
 """
-_room_of_state = room_of(CoupledState, "standing, predicted, size, pairs, unknowns")
+_room_of_state = room_of(CoupledState, "saved, predicted, size, pairs, unknowns")
 _room_of_pairs = room_of(Pairs, "pairs, unknowns")
 _room_of_last = room_of(LastMacroStep, "reals")
 
 
 @compilable
-def nothing_yet(given: CoupledSetup):
+def nothing_yet(setup: CoupledSetup):
     """Return `CoupledState` before a start."""
     return CoupledState(
-        np.zeros(given.standing),
+        np.zeros(setup.saved),
         np.zeros(1),
-        np.zeros(given.rules.predicted),
-        np.zeros((given.rules.predicted, len(given.layout.nominal))),
-        no_pairs(len(given.layout.unknowns)),
+        np.zeros(setup.rules.predicted),
+        np.zeros((setup.rules.predicted, len(setup.layout.nominal))),
+        no_pairs(len(setup.layout.unknowns)),
     )
 
 
@@ -258,15 +258,15 @@ def is_state(row: np.ndarray, other: np.ndarray):
 
 
 @compiled
-def given_of(memory: np.ndarray):
+def setup_of(memory: np.ndarray):
     """Return `CoupledSetup`."""
-    return given_from(parts_of(memory).given)
+    return setup_from(parts_of(memory).setup)
 
 
 @compiled
 def rules_of(memory: np.ndarray):
     """Return `Rules`; kernels that need no more compile faster."""
-    return given_of(memory).rules
+    return setup_of(memory).rules
 
 
 @compiled

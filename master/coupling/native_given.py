@@ -55,10 +55,10 @@ def without_derivative(wires: Iterable[Wire], insides: Mapping[str, Inside]) -> 
             yield f"{_named(wire)}: expected a directional derivative in a native FMU, got none"
 
 
-def not_started_with(insides: Mapping[str, Inside], given: Mapping[str, Any]) -> Iterator[str]:
+def not_started_with(insides: Mapping[str, Inside], parameters: Mapping[str, Any]) -> Iterator[str]:
     """Yield the faults of valid parameters that machine code does not support."""
     for name, inside in insides.items():
-        values = {v.name: v.number(v.start) for v in inside.slave.table} | dict(given[name])
+        values = {v.name: v.number(v.start) for v in inside.slave.table} | dict(parameters[name])
         for fault in inside.part.uncovered_values(values):
             yield f"participants.{name}.parameters.{fault}"
 
@@ -99,10 +99,10 @@ def coupled_inside(
     exposed = {one: _exposed(slave, insides, one) for one in ("parameter", "input", "output")}
     ports = [options.output[v.name] for v in slave.table if v.causality == "output"]
     limits = [row for row, port in zip(exposed["output"], ports) if port in options.limits]
-    given = CoupledSetup(
+    setup = CoupledSetup(
         Rules(*(known[name] for name in Rules._fields)),
         layout,
-        standing=sum(row.variables + row.states for row in rows),
+        saved=sum(row.variables + row.states for row in rows),
         pairs=min(KEPT, len(layout.unknowns)),
         order=np.array([names.index(name) for name in options.order], float),
         starting=np.array([names.index(name) for name in options.participants], float),
@@ -111,10 +111,10 @@ def coupled_inside(
         exposed=ExposedVariables(*map(_matrix, (*exposed.values(), limits))),
         contents=np.concatenate([_contents(one) for one in insides.values()]),
     )
-    lengths, unsaved = lengths_of(given, rows[-1].memory + rows[-1].memories, len(slave.real))
+    lengths, unsaved = lengths_of(setup, rows[-1].memory + rows[-1].memories, len(slave.real))
     part = native.PART._replace(faults=_sentences(options.wires, insides))
     named = dict(zip(CoupledMemory._fields[1:], lengths))
-    return Inside(slave, part, memory_of({"given": row_of(given)}, named, unsaved))
+    return Inside(slave, part, memory_of({"setup": row_of(setup)}, named, unsaved))
 
 
 def _matrix(rows: Sequence[tuple[Any, ...]]) -> np.ndarray:
@@ -127,10 +127,10 @@ def _participants(
 ) -> list[ParticipantRow]:
     """Return the row of every participant."""
     rows: list[ParticipantRow] = []
-    end = filled = standing = 0
+    end = filled = saved = 0
     sentence = len(SENTENCES) + len(WIRE_SENTENCES) * wires
     for name, inside in insides.items():
-        memories, first_state, states, first_fault = inside.given[:PARTS_FROM].astype(int).tolist()
+        memories, first_state, states, first_fault = inside.setup[:PARTS_FROM].astype(int).tolist()
         reals, integers = len(inside.slave.real), len(inside.slave.integer)
         real, integer, memory, end = accumulate((reals, integers, memories), initial=end)
         rows.append(
@@ -147,13 +147,13 @@ def _participants(
                 first_fault=first_fault,
                 sentence=sentence,
                 variables=inside.slave.real_count,
-                given=len(inside.given),
+                setup=len(inside.setup),
                 contents=filled,
-                standing=standing,
+                saved=saved,
             )
         )
-        filled += len(inside.given) + reals + integers
-        standing += inside.slave.real_count + states
+        filled += len(inside.setup) + reals + integers
+        saved += inside.slave.real_count + states
         sentence += len(inside.part.faults)
     return rows
 
@@ -161,7 +161,7 @@ def _participants(
 def _contents(inside: Inside) -> np.ndarray:
     """Return the initial content of a participant: its memory, real and integer variables."""
     slave = inside.slave
-    return np.concatenate([inside.given, slave.real, slave.integer.view(float)])
+    return np.concatenate([inside.setup, slave.real, slave.integer.view(float)])
 
 
 def _wire(

@@ -14,10 +14,10 @@ from .native_block import (
     FAULT,
     ON_WIRE,
     WireRow,
-    given_of,
     participant_from,
     parts_of,
     rules_of,
+    setup_of,
     state_of,
     wire_from,
 )
@@ -39,14 +39,14 @@ native_part = types.ExternalFunction(
 
 
 class System(NamedTuple):
-    """Participants and wires; order : stepping order; standing : saved variables and states."""
+    """Participants and wires; order : stepping order; saved : saved variables and states."""
 
     layout: Layout
     participants: np.ndarray
     wires: np.ndarray
     order: np.ndarray
     inside: np.ndarray
-    standing: np.ndarray
+    saved: np.ndarray
     failures: np.ndarray
     faults: np.ndarray
 
@@ -55,14 +55,14 @@ class System(NamedTuple):
 def system_of(memory: np.ndarray):
     """Return `System`."""
     parts = parts_of(memory)
-    given = given_of(memory)
+    setup = setup_of(memory)
     return System(
-        layout=given.layout,
-        participants=given.participants,
-        wires=given.wires,
-        order=given.order,
+        layout=setup.layout,
+        participants=setup.participants,
+        wires=setup.wires,
+        order=setup.order,
         inside=parts.inside,
-        standing=state_of(memory).standing,
+        saved=state_of(memory).saved,
         failures=parts.failures,
         faults=parts.faults,
     )
@@ -105,16 +105,16 @@ def integer_of(system: System, p: int):
 
 
 @compiled
-def standing_of(system: System, p: int):
+def saved_of(system: System, p: int):
     """Return variables and state of the p-th participant, and the saved ones."""
     one = participant_from(system.participants[p])
     first = one.memory + one.first_state
-    middle = one.standing + one.variables
+    middle = one.saved + one.variables
     return (
         system.inside[one.real : one.real + one.variables],
         system.inside[first : first + one.states],
-        system.standing[one.standing : middle],
-        system.standing[middle : middle + one.states],
+        system.saved[one.saved : middle],
+        system.saved[middle : middle + one.states],
     )
 
 
@@ -122,7 +122,7 @@ def standing_of(system: System, p: int):
 def save(system: System):
     """Save variables and states of all participants."""
     for p in range(len(system.participants)):
-        variables, state, saved_variables, saved_state = standing_of(system, p)
+        variables, state, saved_variables, saved_state = saved_of(system, p)
         keep(saved_variables, variables)
         keep(saved_state, state)
 
@@ -130,7 +130,7 @@ def save(system: System):
 @compiled
 def restore_one(system: System, p: int):
     """Restore a participant."""
-    variables, state, saved_variables, saved_state = standing_of(system, p)
+    variables, state, saved_variables, saved_state = saved_of(system, p)
     keep(variables, saved_variables)
     keep(state, saved_state)
 
@@ -279,12 +279,12 @@ def evaluate(step: Step, x: np.ndarray):
 def derivative(step: Step, change: np.ndarray, result: np.ndarray):
     """Linearise an evaluation, as `Interface.derivative`; return whether all of them answered."""
     system = step.system
-    seen = np.zeros(len(change))
-    keep(result, seen)
+    input_change = np.zeros(len(change))
+    keep(result, input_change)
     for w in range(len(system.wires)):
         wire = wire_of(system, w)
         if wire.is_unknown:
-            keep(of_wire(wire, seen), of_wire(wire, change))
+            keep(of_wire(wire, input_change), of_wire(wire, change))
     numbers = np.zeros(4)
     for k in range(len(system.order)):
         p = int(system.order[k])
@@ -299,7 +299,7 @@ def derivative(step: Step, change: np.ndarray, result: np.ndarray):
             if wire.target == p:
                 reads = True
                 if wire.seed != NOWHERE:
-                    keep(variable_of(system, wire, p, wire.seed), of_wire(wire, seen))
+                    keep(variable_of(system, wire, p, wire.seed), of_wire(wire, input_change))
         if not (reads and writes):
             continue  # nothing depends on it, or it depends on nothing
         if not call(system, p, TANGENT, numbers, system.failures):
@@ -309,7 +309,7 @@ def derivative(step: Step, change: np.ndarray, result: np.ndarray):
             if wire.source == p:
                 keep(of_wire(wire, result), variable_of(system, wire, p, wire.product))
                 if not wire.is_unknown:
-                    keep(of_wire(wire, seen), of_wire(wire, result))
+                    keep(of_wire(wire, input_change), of_wire(wire, result))
     return True
 
 

@@ -31,26 +31,26 @@ def trials(system: System, iterates: bool = True) -> dict[str, RollbackTrial]:
         If saved states that the case insists on, or that step control by a local error needs,
         cannot be used, and if instances of an FMU disturb one another.
     """
-    found: dict[str, RollbackTrial] = {}
+    by_name: dict[str, RollbackTrial] = {}
     faults: list[str] = []
     for name in rolled_back(system, iterates):
         with collecting(faults):
-            found[name] = one = _trial(system, name, {})
+            by_name[name] = one = _trial(system, name, {})
             if one.fault and name in system.trusted:
                 faults.append(
                     f"participants.{name}.rollback: expected saved states, got {one.fault}"
                 )
-    _measure_at_values(system, found)
+    _measure_at_values(system, by_name)
     if any(wire.local_error is not None for wire in system.wires):
         faults += [
             f"participants.{name}: expected a restored state with local_error, got "
             f"{one.fault or one.message}"
-            for name, one in found.items()
+            for name, one in by_name.items()
             if _is_rejected(system, name, one)
         ]
     if faults:
         raise BadInput(faults)
-    return found
+    return by_name
 
 
 def _trial(system: System, name: str, changes: Mapping[str, Any]) -> RollbackTrial:
@@ -62,25 +62,25 @@ def _trial(system: System, name: str, changes: Mapping[str, Any]) -> RollbackTri
     return rollback_trial(one, inputs, system.step, system.begin, changes, outputs)
 
 
-def _measure_at_values(system: System, found: dict[str, RollbackTrial]) -> None:
+def _measure_at_values(system: System, trials: dict[str, RollbackTrial]) -> None:
     """Repeat trials in which an output on a wire is 0, where relative noise shows no difference.
 
     Their inputs are the outputs of the other trials, like those of a first evaluation.
     """
-    for name in (*found, *found):  # the second time against the stepping order
+    for name in (*trials, *trials):  # the second time against the stepping order
         outputs = {w.source[1] for w in system.wires if w.source[0] == name}
-        sizes = [np.abs(value).max() for n, value in found[name].outputs.items() if n in outputs]
-        if found[name].noise or all(sizes):
+        sizes = [np.abs(value).max() for n, value in trials[name].outputs.items() if n in outputs]
+        if trials[name].noise or all(sizes):
             continue
         changes = {
-            w.target[1]: found[w.source[0]].outputs[w.source[1]]
+            w.target[1]: trials[w.source[0]].outputs[w.source[1]]
             for w in system.wires
             if w.target[0] == name
-            and w.source[1] in found.get(w.source[0], RollbackTrial()).outputs
+            and w.source[1] in trials.get(w.source[0], RollbackTrial()).outputs
         }
         if any(map(np.any, changes.values())):
             one = _trial(system, name, changes)
-            found[name] = one if one.outputs else found[name]
+            trials[name] = one if one.outputs else trials[name]
 
 
 def _is_rejected(system: System, name: str, one: RollbackTrial) -> bool:
@@ -88,14 +88,14 @@ def _is_rejected(system: System, name: str, one: RollbackTrial) -> bool:
     return bool(one.fault) or (one.is_noisy and name not in system.trusted)
 
 
-def tried(system: System, found: Mapping[str, RollbackTrial]) -> System:
+def tried(system: System, trials: Mapping[str, RollbackTrial]) -> System:
     """Return the system in which only participants that passed their trial are restored.
 
     The wires of a loop of which a participant is noisy get a tolerance of MARGIN times that noise.
     """
     participants = {
         name: OneWayParticipant(participant)
-        if name in found and _is_rejected(system, name, found[name])
+        if name in trials and _is_rejected(system, name, trials[name])
         else participant
         for name, participant in system.participants.items()
     }
@@ -103,13 +103,13 @@ def tried(system: System, found: Mapping[str, RollbackTrial]) -> System:
     noise: dict[str, float] = {}
     for one in components(system):
         if one.is_iterated:
-            noises = [found[name].noise for name in one.names if name in found]
+            noises = [trials[name].noise for name in one.names if name in trials]
             largest = max((n for n in noises if n < LARGEST_NOISE), default=0.0)
             noise |= dict.fromkeys(one.names, largest)
     return replace(
         system,
         wires=tuple(
-            _raised(wire, noise[wire.source[0]], found[wire.source[0]].sizes)
+            _raised(wire, noise[wire.source[0]], trials[wire.source[0]].sizes)
             if noise.get(wire.source[0]) and wire.tolerance < inf
             else wire
             for wire in system.wires
@@ -128,10 +128,10 @@ def _raised(wire: Wire, noise: float, sizes: Mapping[str, float]) -> Wire:
     )
 
 
-def trial_sentences(system: System, found: Mapping[str, RollbackTrial]) -> list[str]:
+def trial_sentences(system: System, trials: Mapping[str, RollbackTrial]) -> list[str]:
     """Return the messages about the trials."""
     lines: list[str] = []
-    for name, one in found.items():
+    for name, one in trials.items():
         if _is_rejected(system, name, one):
             how = "it is treated as an FMU without saved states"
             hint = "" if one.fault else f"; participants.{name}.rollback = true iterates it"

@@ -24,14 +24,14 @@ def solve_settled(
     if not interface.late or isinstance(method, Explicit):
         return method.solve(macro_step, guess, memory)
     begin = dict(interface.late)
-    held: dict[HeldWire, Any] = {}
+    fixed: dict[HeldWire, Any] = {}
     solution = method.solve(macro_step, guess, memory)
     solves = 1
-    while changed := [wire for wire in interface.unsettled() if wire not in held]:
+    while changed := [wire for wire in interface.unsettled() if wire not in fixed]:
         interface.hold(changed)
         if solves >= MOST_SOLVES:
-            held |= {wire: begin[wire] for wire in changed}
-            interface.late |= held
+            fixed |= {wire: begin[wire] for wire in changed}
+            interface.late |= fixed
         more = method.solve(macro_step, solution.x, memory)
         solves += 1
         solution = more._replace(
@@ -44,5 +44,5 @@ def solve_settled(
         f"expected a value that settles in the macro step, got changes in {MOST_SOLVES} solves; "
         "the step holds the value at its beginning"
     )
-    messages = tuple((name_of(wire), text) for wire in held)
-    return solution._replace(messages=messages, unsettled=len(held))
+    messages = tuple((name_of(wire), text) for wire in fixed)
+    return solution._replace(messages=messages, unsettled=len(fixed))

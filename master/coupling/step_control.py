@@ -111,11 +111,14 @@ class StepControl:
         (t3, x3), (t2, x2), (t1, x1) = self.past
         slope = (x1 - x2) / (t1 - t2)
         slope_before = (x2 - x3) / (t2 - t3)
-        apart = x - x1 - (time - t1) * (slope + (time - t2) * (slope - slope_before) / (t1 - t3))
+        deviation = (
+            x - x1 - (time - t1) * (slope + (time - t2) * (slope - slope_before) / (t1 - t3))
+        )
         share = (time - t1) * (time - t2) / ((2 * time - t1 - t2) * (time - t3))
         # Eq. (S2)
         return share * max(
-            float(np.sqrt(np.mean(apart[part] ** 2))) / allowed for part, allowed in self.watched
+            float(np.sqrt(np.mean(deviation[part] ** 2))) / allowed
+            for part, allowed in self.watched
         )
 
     def resolves(self, step: float, longest: float) -> bool:

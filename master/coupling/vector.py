@@ -63,13 +63,13 @@ def put(to: Array, positions: Positions, what: Array):
 @compilable
 def largest(measures: Sequence[float] | Array):
     """Return the largest of some numbers not below 0, NaN if one is NaN."""
-    found = 0.0
+    maximum = 0.0
     for measure in measures:
-        if not measure <= found:
-            found = measure
-            if found != found:
+        if not measure <= maximum:
+            maximum = measure
+            if maximum != maximum:
                 break
-    return found
+    return maximum
 
 
 NEAR = 1e-6
@@ -93,6 +93,9 @@ def macro_step_end(time: float, step: float, share: float, length: float):
         0 to 1.
     length : float
         H, macro step of the case [s]; shorter communication steps are not moved.
+
+    >>> print(macro_step_end(0.1, 0.1 + 1e-12, 1.0, 0.1), macro_step_end(0.0, 0.1, 0.5, 0.1))
+    0.2 0.05
     """
     end = time + step * share
     near = np.floor(end / length + 0.5) * length
@@ -108,7 +111,11 @@ def is_longer(step: float, limit: float):
 
 @compilable
 def joined(done: int, depth: int):
-    """Return the number of finished parts and their halvings, with parts as long as possible."""
+    """Return the number of finished parts and their halvings, with parts as long as possible.
+
+    >>> joined(6, 3)
+    (3, 2)
+    """
     while depth > 0 and done % 2 == 0:
         done //= 2
         depth -= 1
@@ -154,7 +161,11 @@ def lagrange(times: Sequence[float], time: float, weights: Any):
 
 @compilable
 def extrapolate(times: Sequence[float], past: Sequence[Array], time: float):
-    """Return the polynomial through vectors of distinct times at `time` [s] (Lagrange)."""
+    """Return the polynomial through vectors of distinct times at `time` [s] (Lagrange).
+
+    >>> extrapolate([0.0, 1.0, 2.0], [np.array([t**2]) for t in (0.0, 1.0, 2.0)], 3.0)
+    array([9.])
+    """
     guess = np.zeros(len(past[0]))
     weights = np.empty(len(times))
     lagrange(times, time, weights)

@@ -67,7 +67,7 @@ def headlines(table: Measures) -> dict[str, str]:
     if not table.films or not table.bodies:
         return {}
     owners = {"films": table.films, "bodies": table.bodies, "": [""]}
-    found = {}
+    lines = {}
     for name, kind, keys, between in LINES:
         for owner in owners[kind]:
             known = [
@@ -75,8 +75,8 @@ def headlines(table: Measures) -> dict[str, str]:
             ]
             alone = len(owners[kind]) == 1
             said = in_one_unit(known) if between == RANGE else between.join(m.text for m in known)
-            found[name if alone else f"{name}, {owner}"] = said
-    return {name: said for name, said in found.items() if said}
+            lines[name if alone else f"{name}, {owner}"] = said
+    return {name: said for name, said in lines.items() if said}
 
 
 def in_one_unit(known: list[Measure]) -> str:
@@ -100,12 +100,12 @@ def row_of(case, path) -> dict[str, float | str]:
         chosen |= {
             key: _equal_measure(one.table, run, key, text) for key, text in case.summary.items()
         }
-    found: dict[str, float | str] = {**one.table.design}
+    row: dict[str, float | str] = {**one.table.design}
     for key, measure in chosen.items():
         known = measure.uncertainty if measure else UNKNOWN
         if known is not UNKNOWN:
-            found[f"{key}_uncertainty"] = known.reason if known.value is None else known.value
-    return found | {"worst_check": worst_check(one.verdicts)}
+            row[f"{key}_uncertainty"] = known.reason if known.value is None else known.value
+    return row | {"worst_check": worst_check(one.verdicts)}
 
 
 def _equal_measure(table, results, key, text) -> Measure | None:
@@ -152,8 +152,8 @@ def uncertainty_text(table: Measures, summary: dict) -> str:
         largest = f"The largest part of {count} of {len(known)} is that of the {cause}."
         said = [f"Uncertainties are {how}. {largest}"]
     said += unknown_in_words(table.estimated)
-    if kept := summary.get("uncertainty_kept"):
-        said.append(f"These participants keep their grid: {kept}.")
+    if own_grids := summary.get("uncertainty_kept"):
+        said.append(f"These participants keep their grid: {own_grids}.")
     if why := summary.get("uncertainty_reason"):
         said.append(f"A second grid with doubled steps is not possible: {why}.")
     return " ".join(said)
@@ -161,17 +161,17 @@ def uncertainty_text(table: Measures, summary: dict) -> str:
 
 def _own_summary(case, results):
     """Return the summary entries of the case in words, with the units of their outputs."""
-    summary, found = results.summary or {}, {}
+    summary, entries = results.summary or {}, {}
     for name, text in case.summary.items():
         port = reduced(text).port
         if name in summary and port in results.ports:
             unit = results.series(port).unit
             spelt = "_" + re.sub(r"\W+", "_", unit).lower()
             words = name.removesuffix(spelt).replace("_", " ")
-            found[words] = short(summary[name], unit, 4)
+            entries[words] = short(summary[name], unit, 4)
         elif name in summary:
-            found[name.replace("_", " ")] = f"{summary[name]:.6g}"
-    return found
+            entries[name.replace("_", " ")] = f"{summary[name]:.6g}"
+    return entries
 
 
 def _settled(results):
@@ -182,8 +182,8 @@ def _settled(results):
     count = summary["periods"]
     if count < 2:
         return "unknown, because the run has fewer than two periods"
-    apart = f"change of {summary['period_distance']:.2g} between the last two periods"
-    return apart if summary["periodic"] else f"not periodic: {apart}"
+    change = f"change of {summary['period_distance']:.2g} between the last two periods"
+    return change if summary["periodic"] else f"not periodic: {change}"
 
 
 def _computed(results):

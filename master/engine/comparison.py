@@ -99,7 +99,7 @@ def compared(
     tables : sequence of Measures
     """
     alike = have_equal_grids(trees[0], trees[1])
-    found = differing(trees[0], trees[1], names)
+    changes = differing(trees[0], trees[1], names)
     rows = [
         difference(tables[0].named(one), other, alike)
         for one in tables[0].all
@@ -115,10 +115,10 @@ def compared(
     worst = [[table.worst(key) for key in MAIN] for table in tables]
     main = [difference(one, other, alike) for one, other in zip(*worst) if one and other]
     main = [row for row in main if not row.is_zero]
-    apart = unequal_lengths(found, tables)
-    main = [row._replace(better=0) for row in main] if apart else main
-    said = " ".join(filter(None, [headline(found, main), apart]))
-    return Compared(said, found, rows, remarks)
+    unequal = unequal_lengths(changes, tables)
+    main = [row._replace(better=0) for row in main] if unequal else main
+    said = " ".join(filter(None, [headline(changes, main), unequal]))
+    return Compared(said, changes, rows, remarks)
 
 
 def unequal_lengths(names: Sequence[str], tables: Sequence[Measures]) -> str:
@@ -146,13 +146,13 @@ def spread(one: Measure, other: Measure, alike: bool) -> float | None:
     pair = one.uncertainty, other.uncertainty
     if any(each.value is None for each in pair):
         return None
-    found = []
+    spreads = []
     for cause in {**pair[0].parts, **pair[1].parts}:
         a, b = (each.parts.get(cause, 0.0) for each in pair)
         both = hypot(a, b)
         signed = alike and all(each.signed for each in pair) and cause in ("grid", "step")
-        found.append(max(abs(a - b), SHARED * both) if signed else both)
-    return hypot(*found)  # Eq. (X53)
+        spreads.append(max(abs(a - b), SHARED * both) if signed else both)
+    return hypot(*spreads)  # Eq. (X53)
 
 
 def difference(one: Measure, other: Measure, alike: bool) -> Difference:
@@ -225,14 +225,14 @@ def _parts(keys, pair):
 
     If keys with the same last part have different pairs, the part that tells them apart is added.
     """
-    found: dict[str, dict[tuple[str, ...], list[str]]] = {}
+    by_key: dict[str, dict[tuple[str, ...], list[str]]] = {}
     for key in keys:
         shown = tuple(_shown(key, one) for one in pair)
         if shown[0] == shown[1]:  # files of one name in different folders
             shown = tuple(str(one[key]) for one in pair)
-        found.setdefault(key.rpartition(".")[2], {}).setdefault(shown, key.split("."))
+        by_key.setdefault(key.rpartition(".")[2], {}).setdefault(shown, key.split("."))
     parts: list[tuple[str, ...]] = []
-    for own in found.values():
+    for own in by_key.values():
         level = next((k for k, part in enumerate(zip(*own.values())) if len({*part}) > 1), None)
         parts += [
             shown if level is None else tuple(f"{key[level]} {text}" for text in shown)

@@ -72,7 +72,16 @@ def _solid(name, meshes, motion, owner):
     points = np.vstack([points for points, _ in meshes])
     triangles = np.vstack([own + begin for (_, own), begin in zip(meshes, begins)])
     modes, coordinates = np.zeros((len(points), 3, 0)), np.zeros((len(motion), 0))
-    return Solid(name, points, triangles, modes, coordinates, motion, owner=owner, schematic=True)
+    return Solid(
+        name=name,
+        points=points,
+        triangles=triangles,
+        modes=modes,
+        coordinates=coordinates,
+        motion=motion,
+        owner=owner,
+        schematic=True,
+    )
 
 
 def _prism(outline, depth, z) -> Mesh:

@@ -29,8 +29,8 @@ def friction_pressure(results) -> float | None:
 
     Returns None if the run is shorter or lacks the outputs.
     """
-    found = friction_pressures(results)
-    return found[-1].pressure if found else None
+    cycles = friction_pressures(results)
+    return cycles[-1].pressure if cycles else None
 
 
 def friction_pressures(results) -> list[Cycle]:
@@ -51,7 +51,7 @@ def friction_pressures(results) -> list[Cycle]:
     time, length = results.time, results.period
     begin, *_, end = time
     count = int((end - begin) / length + 1e-6) if length else 0
-    found = []
+    cycles = []
     for k in reversed(range(count)):
         last, near = end - k * length, 1e-6 * length
         within = (time >= last - length - near) & (time <= last + near)
@@ -59,8 +59,8 @@ def friction_pressures(results) -> list[Cycle]:
         # Eq. (X12)
         now = power[within]
         work = float((np.diff(time[within]) * (now[1:] + now[:-1]) / 2.0).sum())
-        found.append(Cycle(float(crank.angle[within][-1]), work / volume))
-    return found
+        cycles.append(Cycle(float(crank.angle[within][-1]), work / volume))
+    return cycles
 
 
 class _Cylinder(NamedTuple):

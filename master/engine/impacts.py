@@ -49,12 +49,12 @@ def impacts(results: Results, body: str) -> list[Impact] | None:
     if not {*ports} <= {*results.ports}:
         return None
     energy, *edges = (results.series(port).values for port in ports)
-    found = []
+    events = []
     for row, loss in losses(energy):
         speeds = [float(edge[row]) for edge in edges]
         faster = int(abs(speeds[1]) > abs(speeds[0]))
-        found.append(Impact(row, loss, ("lower", "upper")[faster], speeds[faster]))
-    return found
+        events.append(Impact(row, loss, ("lower", "upper")[faster], speeds[faster]))
+    return events
 
 
 def losses(energy: np.ndarray) -> list[tuple[int, float]]:

@@ -173,14 +173,14 @@ def resolution(
         for near in neighbours(pressure, high)
     )
     return Resolution(
-        thickness,
-        FILM * float(bend) * thickness,
-        PRESSURE * float(min(steep, MOST)),  # Eq. (X49)
-        carrying(pressure),
-        thinned(sheared(results, film, gap)),
-        pressure[0].size,
-        length,
-        min(peak_width(pressure[instant], cell)) <= NARROW,
+        thickness=thickness,
+        film=FILM * float(bend) * thickness,
+        pressure=PRESSURE * float(min(steep, MOST)),  # Eq. (X49)
+        load=carrying(pressure),
+        shear=thinned(sheared(results, film, gap)),
+        cells=pressure[0].size,
+        length=length,
+        narrow=min(peak_width(pressure[instant], cell)) <= NARROW,
     )
 
 
@@ -226,8 +226,8 @@ def carrying(pressure: np.ndarray) -> float:
     if not load.max() > 0.0:
         return 0.0
     lines = above.sum(axis=2), above.sum(axis=1)
-    found = sum((line**2).sum(axis=1) ** 2 for line in lines)
-    return float((found / np.maximum(load, 1e-12 * load.max()) ** 4 * load).sum() / load.sum())
+    sums = sum((line**2).sum(axis=1) ** 2 for line in lines)
+    return float((sums / np.maximum(load, 1e-12 * load.max()) ** 4 * load).sum() / load.sum())
 
 
 Rule = Callable[[float, Resolution], float]
@@ -290,18 +290,18 @@ class Indicator:
 
     def parts(self, measure: Any) -> dict[str, float]:
         """Return the known parts of the uncertainty of a measure by cause."""
-        found: dict[str, float] = {}
+        parts: dict[str, float] = {}
         film = self.film_of(measure.owner)
         if film and (rule := GRID.get(measure.key)):
             scale = measure.value if measure.scale is None else measure.scale
-            found["grid"] = rule(abs(scale), film)  # Eq. (X49)
+            parts["grid"] = rule(abs(scale), film)  # Eq. (X49)
         if measure.course:
-            found |= self._of_course(measure)
+            parts |= self._of_course(measure)
         if isinstance(self.share, float) and film:
             factor = 3.0 if measure.key == "maximum_pressure_pa" else 1.0
             size = film.thickness if measure.key.endswith("displacement_m") else measure.value
-            found["modes"] = factor * self.share * abs(size)  # Eq. (X52)
-        return found
+            parts["modes"] = factor * self.share * abs(size)  # Eq. (X52)
+        return parts
 
     def _of_course(self, measure) -> dict[str, float]:
         """Return the parts of step and period."""
@@ -320,13 +320,13 @@ class Indicator:
         else:
             spread = 0.0
         # Eq. (X50)
-        found = {"step": max(abs(figure - course.reduce(rows[every], values[every])), spread)}
+        parts = {"step": max(abs(figure - course.reduce(rows[every], values[every])), spread)}
         first = self._previous(rows)
         if first is not None:
             before = slice(first, len(time) - count + 1)
             # Eq. (X51)
-            found["period"] = abs(figure - course.reduce(time[before], course.values[before]))
-        return found
+            parts["period"] = abs(figure - course.reduce(time[before], course.values[before]))
+        return parts
 
     def _previous(self, rows) -> int | None:
         """Return the first row of the previous period, None if it is not whole."""

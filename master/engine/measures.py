@@ -144,8 +144,8 @@ class Measures:
     def worst(self, key: str, owners: list[str] | None = None) -> Measure | None:
         """Return the worst value of a measure of participants, by default of any participant."""
         known = [m for m in self.all if m.key == key and (owners is None or m.owner in owners)]
-        way = min if DESIGN.get(key) == "raise" else max
-        return way(known, key=lambda one: one.value, default=None)
+        extreme = min if DESIGN.get(key) == "raise" else max
+        return extreme(known, key=lambda one: one.value, default=None)
 
     def named(self, one: Measure) -> Measure:
         """Return a measure whose label names its participant, if several have such a measure."""
@@ -161,17 +161,17 @@ class Measures:
     @property
     def design(self) -> dict[str, float]:
         """Worst value of each measure of a design."""
-        found = {key: self.worst(key) for key in DESIGN}
-        return {key: one.value for key, one in found.items() if one}
+        figures = {key: self.worst(key) for key in DESIGN}
+        return {key: one.value for key, one in figures.items() if one}
 
 
 def unknown_in_words(known: list[Measure]) -> list[str]:
     """Return a sentence for each reason why uncertainties are unknown."""
-    found: dict[str, list[str]] = {}
+    labels: dict[str, list[str]] = {}
     for one in known:
         if one.uncertainty.reason not in ("", DIVERGES):
-            found.setdefault(one.uncertainty.reason, []).append(one.label)
-    names = {why: own[0] if len(own) == 1 else f"{len(own)} figures" for why, own in found.items()}
+            labels.setdefault(one.uncertainty.reason, []).append(one.label)
+    names = {why: own[0] if len(own) == 1 else f"{len(own)} figures" for why, own in labels.items()}
     return [f"The uncertainty of {name} is unknown: {why}." for why, name in names.items()]
 
 
@@ -184,18 +184,18 @@ def measures(case: Case, results: Results) -> Measures:
     results = results.last
     films, bodies = (players(results.case, role) for role in ("lubrication", "bodies"))
     run = _Run(case, results)
-    found = [
+    figures = [
         *(one for film in films for one in _of_film(run, film)),
         *_of_friction(run),
         *(one for body in bodies for one in _of_body(run, body, (films or [""])[0])),
     ]
     cells = {
         one.owner: one.place.index
-        for one in found
+        for one in figures
         if one.key == "minimum_film_thickness_m" and one.place
     }
     indicator = Indicator(results, films, cells)
-    known = [_estimated(one, indicator, results, films) for one in found]
+    known = [_estimated(one, indicator, results, films) for one in figures]
     return Measures(films, bodies, known, length_text(results))
 
 
@@ -226,7 +226,9 @@ def directions(case: Case) -> dict[str, str]:
     The contract declares the directions of outputs. Outputs that it names as numerical errors are
     omitted.
     """
-    declared = {name: way for role in contract().values() for name, way in role.directions.items()}
+    declared = {
+        name: goal for role in contract().values() for name, goal in role.directions.items()
+    }
     errors = {name for role in contract().values() for name in role.numerical_errors}
     outputs = {entry: reduced(text).port.rpartition(".")[2] for entry, text in case.summary.items()}
     entries = {
@@ -297,7 +299,17 @@ def _of_film(run: _Run, film: str) -> Iterator[Measure]:
         what = "skirt" if run.values(film, "friction_torque") is None else "bearing"
         label, note = "area of contact", f"of the {what}"
         size, row = float(area.max()), int(area.argmax())
-        yield Measure("contact_area", label, size, "1", film, row, None, "on at most", note)
+        yield Measure(
+            key="contact_area",
+            label=label,
+            value=size,
+            unit="1",
+            owner=film,
+            row=row,
+            place=None,
+            before="on at most",
+            note=note,
+        )
     if balance := oil_balance(run.results, film):
         before = f"net {_net(balance)} per period; throughput"
         label, through = "oil throughput per period", balance.throughput
@@ -308,8 +320,8 @@ def _net(balance):
     """Return the net volumes through the edges of a film in words."""
     ways = {"lower edge": balance.lower, "upper edge": balance.upper, "cut-outs": balance.openings}
     net = ", ".join(
-        f"{1e9 * abs(volume):.3g} mm³ {'in' if volume > 0.0 else 'out'} through the {way}"
-        for way, volume in ways.items()
+        f"{1e9 * abs(volume):.3g} mm³ {'in' if volume > 0.0 else 'out'} through the {boundary}"
+        for boundary, volume in ways.items()
         if volume
     )
     return net or "0 mm³"
@@ -371,9 +383,9 @@ def _of_body(run: _Run, body: str, film: str) -> Iterator[Measure]:
         words = {"row": row, "before": before, "note": note, "scale": scale}
         reduce = of_extreme(largest)
         yield run.figure(body, output, f"{output}_n", f"maximum {what}", "N", reduce, **words)
-    found = impacts(run.results, body)
-    if found is not None:
-        worst = max(found, key=lambda impact: impact.loss, default=None)
+    all_impacts = impacts(run.results, body)
+    if all_impacts is not None:
+        worst = max(all_impacts, key=lambda impact: impact.loss, default=None)
         words = {"shown": NO_IMPACT}
         if worst:
             words = {"note": _slap(run, worst, film), "row": worst.row}
@@ -390,8 +402,8 @@ def _of_body(run: _Run, body: str, film: str) -> Iterator[Measure]:
             ("largest", int(np.abs(values).argmax()), largest),
         ):
             label = f"{word} {'of ' if row is None else ''}{output.replace('_', ' ')}"
-            key, way = f"{word}_{output}_{unit}", of_extreme(reduce)
-            yield run.figure(body, output, key, label, unit, way, row=row)
+            key, extreme = f"{word}_{output}_{unit}", of_extreme(reduce)
+            yield run.figure(body, output, key, label, unit, extreme, row=row)
 
 
 def _slap(run, impact, film):

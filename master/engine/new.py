@@ -147,12 +147,12 @@ SIZES = {
 class Engine:
     """Engine of a data sheet.
 
-    sizes : value in SI of each of `SIZES`; given : names of those that are not estimated; peak :
+    sizes : value in SI of each of `SIZES`; stated : names of those that are not estimated; peak :
     required maximum gas pressure, gauge [Pa], or None; motored : no combustion.
     """
 
     sizes: dict[str, float]
-    given: frozenset[str]
+    stated: frozenset[str]
     peak: float | None = None
     motored: bool = False
 
@@ -303,13 +303,13 @@ CYCLE = np.arange(-360.0, 361.0, 1.0)
 
 
 def engine(
-    given: Mapping[str, str | float | None], peak: str | None = None, motored: bool = False
+    texts: Mapping[str, str | float | None], peak: str | None = None, motored: bool = False
 ) -> Engine:
     """Return an engine of the given sizes, with estimates of the others.
 
     Parameters
     ----------
-    given : mapping
+    texts : mapping
         Names of `SIZES` -> text with a unit, or a number in the size's usual unit. None means
         omitted. bore, stroke and rod are required.
     peak : str, optional
@@ -324,7 +324,7 @@ def engine(
     """
     faults: list[str] = []
     sizes: dict[str, float] = {}
-    said = {name: value for name, value in given.items() if value is not None}
+    said = {name: value for name, value in texts.items() if value is not None}
     for name, size in SIZES.items():
         option = option_of(name)
         if name in said:
@@ -346,12 +346,12 @@ def engine(
             limit = Size("bar", 1e4, 5e7, "").read("peak_pressure", peak)
         except ValueError as error:
             faults.append(str(error))
-    found = Engine(sizes, frozenset(said), limit, motored)
+    made = Engine(sizes, frozenset(said), limit, motored)
     if not faults:
-        faults = _contradictions(found)
+        faults = _contradictions(made)
     if faults:
         raise BadInput(faults)
-    return found
+    return made
 
 
 UNUSUAL = 6.0
@@ -362,14 +362,14 @@ MAY_BE_SMALL = ("barrel", "ovality", "skirt_above", "centre")
 """Sizes that may be far below their estimate."""
 
 
-def unusual(found: Engine) -> list[str]:
+def unusual(engine: Engine) -> list[str]:
     """Return warnings about sizes that are far from an estimate by lengths and masses."""
-    larger = {name: value * (1 + (name != "compression")) for name, value in found.sizes.items()}
+    larger = {name: value * (1 + (name != "compression")) for name, value in engine.sizes.items()}
     rules = {name: size.rule for name, size in SIZES.items() if size.rule}
     rules["rod"] = lambda s: USUAL_ROD * s["stroke"]
     out: list[str] = []
-    for name in sorted(found.given & rules.keys()):
-        value, estimate, unit = found[name], rules[name](found.sizes), SIZES[name].unit
+    for name in sorted(engine.stated & rules.keys()):
+        value, estimate, unit = engine[name], rules[name](engine.sizes), SIZES[name].unit
         scales = rules[name](larger) != estimate
         is_low = value < estimate / UNUSUAL and name not in MAY_BE_SMALL
         if scales and (value > UNUSUAL * estimate or is_low):
@@ -380,41 +380,41 @@ def unusual(found: Engine) -> list[str]:
     return out
 
 
-def _contradictions(found: Engine) -> list[str]:
+def _contradictions(engine: Engine) -> list[str]:
     """Return the contradictions between sizes that are each in range."""
     faults = []
-    reach = found.crank_radius + abs(found["pin_offset"] - found["crank_offset"])
-    if found["rod"] <= 1.05 * reach:
+    reach = engine.crank_radius + abs(engine["pin_offset"] - engine["crank_offset"])
+    if engine["rod"] <= 1.05 * reach:
         faults.append(
             f"--rod: expected more than {1050 * reach:g} mm, 1.05 times half the stroke and the "
-            f"offsets, got {1e3 * found['rod']:g} mm"
+            f"offsets, got {1e3 * engine['rod']:g} mm"
         )
-    if found["skirt_above"] >= found["compression_height"]:
+    if engine["skirt_above"] >= engine["compression_height"]:
         faults.append(
             f"--skirt-above: expected less than the compression height, "
-            f"{1e3 * found['compression_height']:g} mm, got {1e3 * found['skirt_above']:g} mm"
+            f"{1e3 * engine['compression_height']:g} mm, got {1e3 * engine['skirt_above']:g} mm"
         )
-    if found["rod_centre"] >= found["rod"]:
+    if engine["rod_centre"] >= engine["rod"]:
         faults.append(
-            f"--rod-centre: expected less than the rod, {1e3 * found['rod']:g} mm, got "
-            f"{1e3 * found['rod_centre']:g} mm"
+            f"--rod-centre: expected less than the rod, {1e3 * engine['rod']:g} mm, got "
+            f"{1e3 * engine['rod_centre']:g} mm"
         )
-    if found.peak is not None:
-        bare = float(found.pressure(CYCLE, 0.0).max())
-        if found.motored or not bare < found.peak < 40.0 * bare:
+    if engine.peak is not None:
+        bare = float(engine.pressure(CYCLE, 0.0).max())
+        if engine.motored or not bare < engine.peak < 40.0 * bare:
             faults.append(
                 f"--peak-pressure: expected {bare / 1e5:.3g} bar of compression to "
-                f"{40 * bare / 1e5:.3g} bar without --motored, got {found.peak / 1e5:g} bar"
+                f"{40 * bare / 1e5:.3g} bar without --motored, got {engine.peak / 1e5:g} bar"
             )
     return faults
 
 
-def write_case(found: Engine, folder: Path, mesh: Path | None = None) -> CheckedCase:
+def write_case(engine: Engine, folder: Path, mesh: Path | None = None) -> CheckedCase:
     """Write the case of an engine into a new folder: case.toml, gas_pressure.csv and the mesh.
 
     Parameters
     ----------
-    found : Engine
+    engine : Engine
     folder : Path
         Must not exist, or be empty.
     mesh : Path, optional
@@ -441,20 +441,20 @@ def write_case(found: Engine, folder: Path, mesh: Path | None = None) -> Checked
     if faults:
         raise BadInput(faults)
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "gas_pressure.csv").write_text(gas_table(CYCLE, found.gas_pressure(CYCLE)))
+    (folder / "gas_pressure.csv").write_text(gas_table(CYCLE, engine.gas_pressure(CYCLE)))
     case = folder / "case.toml"
     if mesh is None:
-        case.write_text(_text(found, folder.name), "utf-8")
+        case.write_text(_text(engine, folder.name), "utf-8")
         return check(folder)
     shutil.copy(mesh, folder / mesh.name)
     unit = _mesh_unit(folder / mesh.name)
-    case.write_text(_text(found, folder.name, mesh.name, unit), "utf-8")
-    seen = check(folder)  # the file must contain the ends of the mesh's skirt as well
-    lower, upper = (seen.figure(f"bodies.{name}") for name in ("skirt_lower", "skirt_upper"))
+    case.write_text(_text(engine, folder.name, mesh.name, unit), "utf-8")
+    checked = check(folder)  # the file must contain the ends of the mesh's skirt as well
+    lower, upper = (checked.figure(f"bodies.{name}") for name in ("skirt_lower", "skirt_upper"))
     if lower is None or upper is None:
-        return seen
-    fitted = {**found.sizes, "skirt_below": -lower.value, "skirt_above": upper.value}
-    measured = Engine(fitted, found.given, found.peak, found.motored)
+        return checked
+    fitted = {**engine.sizes, "skirt_below": -lower.value, "skirt_above": upper.value}
+    measured = Engine(fitted, engine.stated, engine.peak, engine.motored)
     case.write_text(_text(measured, folder.name, mesh.name, unit), "utf-8")
     return check(folder)
 
@@ -475,7 +475,7 @@ def _mesh_unit(mesh: Path) -> str:
     return "1 mm" if np.ptp(points, axis=0).max() > 5.0 else "1 m"
 
 
-def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = "") -> str:
+def _text(engine: Engine, name: str, mesh: str | None = None, mesh_unit: str = "") -> str:
     """Return the text of the case file."""
     templates = Environment(
         loader=FileSystemLoader(TEMPLATES),
@@ -486,31 +486,31 @@ def _text(found: Engine, name: str, mesh: str | None = None, mesh_unit: str = ""
 
     def origin(size: str) -> str:
         """Return the origin of a size."""
-        if size in found.given:
+        if size in engine.stated:
             return "given"
         return f"our estimate: {SIZES[size].words}"
 
     def shown(value: float, unit: str) -> str:
         return f"{value:.6g} {unit}"
 
-    low, high = found.bore_ends(found["skirt_below"])
+    low, high = engine.bore_ends(engine["skirt_below"])
     return templates.get_template("engine.toml").render(
         name=name,
         quoted=quote(name),
-        e=found,
+        e=engine,
         origin=origin,
         mm=lambda value: shown(1e3 * value, "mm"),
         um=lambda value: shown(1e6 * value, "um"),
         grams=lambda value: shown(1e3 * value, "g"),
         inertia=lambda value: shown(1e6 * value, "kg*mm^2"),
-        rpm=f"{found['speed'] * 30 / pi:.6g} rpm",
+        rpm=f"{engine['speed'] * 30 / pi:.6g} rpm",
         bore_lower=low,
         bore_upper=high,
-        volume=f"{1e6 * found.swept_volume:.6g}",
-        kind=TITLES[found.motored],
-        peak=f"{float(found.gas_pressure(CYCLE).max()) / 1e6:.3g}",
-        gas=dict(exponent=EXPONENT, burn=found.combustion, gain=f"{found.gain:.4g}"),
+        volume=f"{1e6 * engine.swept_volume:.6g}",
+        kind=TITLES[engine.motored],
+        peak=f"{float(engine.gas_pressure(CYCLE).max()) / 1e6:.3g}",
+        gas=dict(exponent=EXPONENT, burn=engine.combustion, gain=f"{engine.gain:.4g}"),
         mesh=mesh,
         mesh_unit=mesh_unit,
-        around=FLEXIBLE if mesh else found.cells_around,
+        around=FLEXIBLE if mesh else engine.cells_around,
     )

@@ -186,32 +186,32 @@ def conditions(results: Results, films: list[str]) -> list[str]:
     participants = results.case["participants"]
     bodies = players(results.case, "bodies")
     film = participants[films[0]]
-    given = film.get("parameters", {})
+    parameters = film.get("parameters", {})
     body = participants[bodies[0]] if bodies else {}
     own, build = body.get("parameters", {}), body.get("build", {})
-    found = []
+    texts = []
     if "crank_speed" in own:
-        found.append(str(own["crank_speed"]))
-    if "bore_radius" in given:
-        found.append(f"bore {2e3 * to_si(given['bore_radius'], 'm'):.4g} mm")
+        texts.append(str(own["crank_speed"]))
+    if "bore_radius" in parameters:
+        texts.append(f"bore {2e3 * to_si(parameters['bore_radius'], 'm'):.4g} mm")
     if "radial_clearance" in own:
-        found.append(_clearances(results, bodies[0], to_si(own["radial_clearance"], "m")))
+        texts.append(_clearances(results, bodies[0], to_si(own["radial_clearance"], "m")))
     if "oil" in film.get("build", {}):
-        found.append(f"oil {film['build']['oil']}")
-    elif "viscosity" in given:
-        found.append(f"oil {1e3 * to_si(given['viscosity'], 'Pa.s'):.3g} mPa s")
+        texts.append(f"oil {film['build']['oil']}")
+    elif "viscosity" in parameters:
+        texts.append(f"oil {1e3 * to_si(parameters['viscosity'], 'Pa.s'):.3g} mPa s")
     if "grid" in film.get("build", {}):
-        found.append("{} × {} cells".format(*film["build"]["grid"]))
+        texts.append("{} × {} cells".format(*film["build"]["grid"]))
     parts = [(build[name], word) for name, word in SURFACES.items() if name in build]
     if any(part.get("modes") for part, _ in parts):
-        found.append(f"{' + '.join(str(part.get('modes') or 0) for part, _ in parts)} modes")
+        texts.append(f"{' + '.join(str(part.get('modes') or 0) for part, _ in parts)} modes")
     hot = [word for part, word in parts if {"hot_shape", "temperature_field"} & {*part}]
     if hot:
-        found.append(f"hot shape of {' and '.join(hot)}")
+        texts.append(f"hot shape of {' and '.join(hot)}")
     summary = results.summary or {}
     if summary.get("periods", 0) > 1:
-        found.append(f"last of {summary['periods']} periods")
-    return found
+        texts.append(f"last of {summary['periods']} periods")
+    return texts
 
 
 def _clearances(results: Results, body: str, cold: float) -> str:

@@ -59,14 +59,14 @@ def side_peaks(axis, pressure: np.ndarray) -> list[SidePeak]:
     low, high = axis.range
     turn = high - low
     lines = np.array([*axis.marks.values()])
-    apart = np.abs((angle[:, None] - lines + turn / 2) % turn - turn / 2)
+    distance = np.abs((angle[:, None] - lines + turn / 2) % turn - turn / 2)
     around = pressure.max(axis=2)
-    found = []
+    peaks = []
     for k, side in enumerate(axis.marks):
-        mine = np.flatnonzero(apart.argmin(axis=1) == k)
-        if peak := _side_peak(side, apart[mine, k], around[:, mine]):
-            found.append(peak)
-    return found
+        mine = np.flatnonzero(distance.argmin(axis=1) == k)
+        if peak := _side_peak(side, distance[mine, k], around[:, mine]):
+            peaks.append(peak)
+    return peaks
 
 
 def _side_peak(side, distance, around):

@@ -96,9 +96,9 @@ def _cell_position(axes, index, shape):
     low, high = axes.first.range
     turn = high - low
     marks = axes.first.marks
-    apart = {word: abs((around - at + turn / 2) % turn - turn / 2) for word, at in marks.items()}
+    distance = {word: abs((around - at + turn / 2) % turn - turn / 2) for word, at in marks.items()}
     return CellPosition(
-        side=min(apart, key=lambda word: apart[word]) if apart else "",
+        side=min(distance, key=lambda word: distance[word]) if distance else "",
         around=f"{around:.4g} {axes.first.unit}".strip(),
         around_label=axes.first.label,
         along=f"{along:.3g} {axes.second.unit}".strip(),

@@ -89,10 +89,10 @@ def special(
         solids={
             label: [
                 solid
-                for body, own in found.items()
+                for body, own in parts.items()
                 for solid in _solids(own, runs[label], body, bodies)
             ]
-            for label, found in skins.items()
+            for label, parts in skins.items()
         },
     )
 
@@ -140,7 +140,7 @@ def _orbit(runs, body, surface) -> Orbit | None:
 
 def _of_body(runs, body, skins, body_of) -> list[Section]:
     """Return motion and forces of a piston."""
-    own = [one for found in skins.values() for one in found.get(body, ())]
+    own = [one for parts in skins.values() for one in parts.get(body, ())]
     skirt = next((skin.skirt for skin in own if skin.skirt), None)
     films = [film for film, owner in body_of.items() if owner == body]
     if skirt is None:
@@ -196,27 +196,27 @@ def _solids(skins, results, body, bodies) -> list[Solid]:
     stand = stands(results).get(body, Stand())
     port = f"{body}.modal_coordinate"
     modes = [skin.modes.shape[2] for skin in skins]
-    held = np.zeros((len(results.instants), 0))
+    coordinates = np.zeros((len(results.instants), 0))
     if port in results.recorded and results.dataset(port).shape[1] == sum(modes):
-        held = results.dataset(port)[:]
-    known = held.shape[1] == sum(modes)
+        coordinates = results.dataset(port)[:]
+    known = coordinates.shape[1] == sum(modes)
     modes = modes if known else [0] * len(skins)
-    parts = np.split(held, np.cumsum(modes)[:-1], axis=1)
+    parts = np.split(coordinates, np.cumsum(modes)[:-1], axis=1)
     motion = np.column_stack([at_instants(results, f"{body}.{name}") for name in MOTION])
     meshed = [
         Solid(
-            skin.name,
-            skin.points,
-            skin.triangles,
-            skin.modes[:, :, : part.shape[1]],
-            part,
-            motion if skin.skirt else None,
-            skin.skirt,
-            skin.von_mises(part) if part.shape[1] else None,
-            fields_around(results, body, skin.skirt) if skin.skirt else {},
-            owner,
-            known,
-            stand,
+            name=skin.name,
+            points=skin.points,
+            triangles=skin.triangles,
+            modes=skin.modes[:, :, : part.shape[1]],
+            coordinates=part,
+            motion=motion if skin.skirt else None,
+            film=skin.skirt,
+            stress=skin.von_mises(part) if part.shape[1] else None,
+            fields=fields_around(results, body, skin.skirt) if skin.skirt else {},
+            owner=owner,
+            held=known,
+            stand=stand,
         )
         for skin, part in zip(skins, parts)
     ]
@@ -237,7 +237,7 @@ def fields_around(results, body, skirt) -> dict[str, tuple[float, float]]:
         first, last = surface["rows"]
         step = (high - low) / rows
         heights[f"{surface['name']}."] = (low + (first - 1) * step, low + last * step)
-    found = {}
+    fields = {}
     for film in players(results.case, "lubrication"):
         if film_body(results, film) not in (body, None):
             continue
@@ -245,8 +245,8 @@ def fields_around(results, body, skirt) -> dict[str, tuple[float, float]]:
         gap = gap_port(results, film).removesuffix("film_thickness")
         for port in results.recorded:
             if ends and port.startswith((f"{film}.", gap)):
-                found[port] = ends
-    return found
+                fields[port] = ends
+    return fields
 
 
 def strokes(runs: Runs, ahead: float = 0.0) -> list[CyclePhase]:
@@ -275,12 +275,12 @@ def own_strokes(runs: Runs, body: str) -> list[CyclePhase] | None:
 
     Returns None if the runs have different strokes.
     """
-    apart = {
+    distinct = {
         round(float(_degrees(results)[0] - np.degrees(results.series(port).values[0])), 3)
         for results in runs.values()
         if (port := f"{body}.crank_angle") in results.ports
     }
-    return strokes(runs, apart.pop()) if len(apart) == 1 else None
+    return strokes(runs, distinct.pop()) if len(distinct) == 1 else None
 
 
 def _degrees(results):
@@ -291,13 +291,13 @@ def _degrees(results):
 
 def _charts(runs: Runs, *sections: str, **names: str) -> list[Chart]:
     """Return the charts of sections over the crank angle, without those that are zero."""
-    found = []
-    for given in (chart for section in sections for chart in CHARTS[section]):
-        lines = {name: port.format(**names) for name, port in given["lines"].items()}
-        if curves := _curves(runs, lines, given["unit"]):
-            title = given["title"].format(**names)
-            found.append(Chart(title, CRANK, f"[{given['unit']}]", curves, cursor=True))
-    return found
+    charts = []
+    for entry in (chart for section in sections for chart in CHARTS[section]):
+        lines = {name: port.format(**names) for name, port in entry["lines"].items()}
+        if curves := _curves(runs, lines, entry["unit"]):
+            title = entry["title"].format(**names)
+            charts.append(Chart(title, CRANK, f"[{entry['unit']}]", curves, cursor=True))
+    return charts
 
 
 def _curves(runs: Runs, lines: dict[str, str], unit: str) -> list[Curve]:
@@ -322,10 +322,10 @@ def _curves(runs: Runs, lines: dict[str, str], unit: str) -> list[Curve]:
 
 def _points(runs: Runs, points: Callable, title: str, x: str, y: str, **how: Any) -> list[Drawn]:
     """Return a chart of the points (x, y) of each run; `points` returns None if it has none."""
-    found = [points(results) for results in runs.values()]
+    point_lists = [points(results) for results in runs.values()]
     curves = [
         Curve(label, k, *one, points=True)
-        for k, (label, one) in enumerate(zip(runs, found))
+        for k, (label, one) in enumerate(zip(runs, point_lists))
         if one is not None
     ]
     drawn: list[Drawn] = [Chart(title, x, y, curves, **how)]
@@ -336,11 +336,11 @@ def _slaps(runs, body) -> list[Drawn]:
     """Return a chart of the energy that the piston loses in each impact."""
 
     def lost(results):
-        found = impacts(results, body)
-        if found is None:
+        events = impacts(results, body)
+        if events is None:
             return None
-        rows = [impact.row for impact in found]
-        return _degrees(results)[rows], 1e3 * np.array([impact.loss for impact in found])
+        rows = [impact.row for impact in events]
+        return _degrees(results)[rows], 1e3 * np.array([impact.loss for impact in events])
 
     title = "Energy of the piston lost in each impact"
     return _points(runs, lost, title, CRANK, "[mJ]", cursor=True)
@@ -445,10 +445,10 @@ def _envelopes(case, runs, film, gap):
     )
     drawn: list[Drawn] = []
     for title, unit, port in envelopes:
-        found = [results.envelope(port) for results in runs.values()]
-        fields = [None if one is None else scaled(one.values, one.unit, unit)[0] for one in found]
+        known = [results.envelope(port) for results in runs.values()]
+        fields = [None if one is None else scaled(one.values, one.unit, unit)[0] for one in known]
         if any(np.any(values) for values in fields if values is not None):
-            there = [one and results.there(port) for one, results in zip(found, runs.values())]
+            there = [one and results.there(port) for one, results in zip(known, runs.values())]
             drawn.append(StillMap(title, unit, case.axes_of(port), fields, there))
     pressures = {label: results.envelope(f"{film}.pressure") for label, results in runs.items()}
     sparse = [label for label, one in pressures.items() if one and not one.every_step]

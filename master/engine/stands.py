@@ -22,7 +22,7 @@ def stands(results: Results) -> dict[str, Stand]:
     options `cylinder_z` and `bank_angle` are the positions.
     """
     bodies = players(results.case, "bodies")
-    found = {}
+    by_body = {}
     for wire in results.case.get("wires", ()):
         body = wire["from"].partition(".")[0]
         block, _, port = wire["to"].partition(".")
@@ -30,17 +30,17 @@ def stands(results: Results) -> dict[str, Stand]:
         if body not in bodies or not numbered:
             continue
         table = results.case["participants"][block]
-        given = table.get("build", {}) | table.get("parameters", {})
+        values = table.get("build", {}) | table.get("parameters", {})
         k = int(numbered[1]) - 1
-        if "cylinder_z" in given:
-            bank = _of_cylinder(given.get("bank_angle", "0 deg"), k, "rad")
-            found[body] = Stand(_of_cylinder(given["cylinder_z"], k, "m"), bank)
-    return found
+        if "cylinder_z" in values:
+            bank = _of_cylinder(values.get("bank_angle", "0 deg"), k, "rad")
+            by_body[body] = Stand(_of_cylinder(values["cylinder_z"], k, "m"), bank)
+    return by_body
 
 
-def _of_cylinder(given, k, unit):
+def _of_cylinder(value, k, unit):
     """Return the value of a cylinder from a list, or the value for all cylinders."""
-    return float(to_si(given[k] if isinstance(given, list) else given, unit))
+    return float(to_si(value[k] if isinstance(value, list) else value, unit))
 
 
 def side_by_side(solids: Sequence[Solid]) -> list[Solid]:

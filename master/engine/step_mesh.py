@@ -82,9 +82,9 @@ def _mesh(gmsh: ModuleType, step: Path, bore: float) -> None:
     if len(solids) != 1:
         raise BadInput(f"--step: expected one solid, got {len(solids)}")
     faces = [_face(gmsh, tag) for _, tag in gmsh.model.getEntities(2)]
-    found = {"skirt": _skirt(faces), "crown": _crown(faces)}
-    found["pin_bore"] = [one.tag for one in _cylinders(faces, 2)]
-    missing = [name for name, tags in found.items() if not tags]
+    surfaces = {"skirt": _skirt(faces), "crown": _crown(faces)}
+    surfaces["pin_bore"] = [one.tag for one in _cylinders(faces, 2)]
+    missing = [name for name, tags in surfaces.items() if not tags]
     if missing:
         raise BadInput(
             f"--step: expected faces {' and '.join(missing)}, got none; let x be thrust, y up and "
@@ -92,7 +92,7 @@ def _mesh(gmsh: ModuleType, step: Path, bore: float) -> None:
             "the pin, with the origin on the axes of pin and skirt"
         )
     gmsh.model.addPhysicalGroup(3, solids, name="all")
-    for name, tags in found.items():
+    for name, tags in surfaces.items():
         gmsh.model.addPhysicalGroup(2, tags, name=name)
     gmsh.option.setNumber("Mesh.MeshSizeMax", SIZE * bore)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", TURN)

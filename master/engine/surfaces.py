@@ -35,7 +35,7 @@ def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) 
     big end moves with the crank pin. Films without a piston are fixed. Films with an unknown
     position are omitted and reported.
     """
-    found = []
+    films = []
     for name in players(results.case, "lubrication"):
         radius, length = (parameter(results, name, key, "m") for key in SIZES)
         ports = [port for port in results.recorded if results.dataset(port).ndim == 3]
@@ -55,8 +55,10 @@ def films_of(results: Results, solids: list[Solid], say: Callable[[str], None]) 
         points, cells, motion = placed
         stand = piston.stand if piston else Stand()
         blocks = [read_block(results, port) for port in own]
-        found.append(Film(name, blocks, points, cells, motion, stand))
-    return found
+        films.append(
+            Film(name=name, blocks=blocks, points=points, cells=cells, motion=motion, stand=stand)
+        )
+    return films
 
 
 def _placed(results, film, sizes, piston, port):

@@ -48,17 +48,17 @@ def state_truncation(
     entries: dict[str, float | str] = {}
     try:
         part: Any = import_part(TRUNCATIONS)
-        found = part.truncations(build, folder, results, progress)
+        truncations = part.truncations(build, folder, results, progress)
     except ValueError as why:
         entries["truncation_error"] = f"unknown: {why}"
     else:
-        for name, one in found.bodies.items():
+        for name, one in truncations.bodies.items():
             entries[f"truncation_error_{name}"] = one.error
             entries[f"truncation_error_{name}_largest"] = one.largest
         shares = {
-            "truncation_error_film": found.share_of_film,
-            "truncation_error_edge": found.edge_error,
-            "odd_part_film": found.odd_share,
+            "truncation_error_film": truncations.share_of_film,
+            "truncation_error_edge": truncations.edge_error,
+            "odd_part_film": truncations.odd_share,
         }
         entries |= {key: share for key, share in shares.items() if share is not None}
     if entries:

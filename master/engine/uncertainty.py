@@ -60,7 +60,12 @@ def entry_of(cause: str, name: str) -> str:
 
 
 def combined(parts: Mapping[str, float], signed: bool = False) -> Uncertainty:
-    """Return the uncertainty of parts by cause, unknown without any part."""
+    """Return the uncertainty of parts by cause, unknown without any part.
+
+    >>> both = combined({"grid": 3.0, "step": -4.0})
+    >>> both.value, both.contributor
+    (5.0, 'step')
+    """
     if not parts:
         return UNKNOWN
     largest = max(parts, key=lambda cause: abs(parts[cause]))
@@ -73,7 +78,11 @@ def at_least(value: float, size: float) -> float:
 
 
 def display_unit(unit: str, largest: float) -> tuple[float, str]:
-    """Return the factor from an SI unit to one that suits a value, and the label of that unit."""
+    """Return the factor from an SI unit to one that suits a value, and the label of that unit.
+
+    >>> display_unit("Pa", 3e6)
+    (1e-06, 'MPa')
+    """
     if unit in DISPLAYED:
         return DISPLAYED[unit]
     factor, label = scaled(1.0, unit, handy_unit(unit, largest))

@@ -82,14 +82,14 @@ def verdicts(results: Results, table: Measures) -> list[Verdict]:
     """
     results = results.last
     summary = results.summary or {}
-    found = [*_of_summary(summary), *_of_conjugates(results.case), *_of_truncation(summary)]
-    found += _of_each(results, "lubrication", partial(_of_film, table), _of_grid)
-    found += _of_each(results, "bodies", _of_side_force)
-    found += _of_each(results, "bodies", _of_play)
+    all_verdicts = [*_of_summary(summary), *_of_conjugates(results.case), *_of_truncation(summary)]
+    all_verdicts += _of_each(results, "lubrication", partial(_of_film, table), _of_grid)
+    all_verdicts += _of_each(results, "bodies", _of_side_force)
+    all_verdicts += _of_each(results, "bodies", _of_play)
     if "settled" in summary:
         colour = "green" if summary["periodic"] else "amber"
-        found.append(Verdict(colour, "periodicity", f"{summary['settled']}."))
-    return found
+        all_verdicts.append(Verdict(colour, "periodicity", f"{summary['settled']}."))
+    return all_verdicts
 
 
 def _of_each(results, role, *judges):
@@ -123,10 +123,10 @@ def _of_summary(summary):
     if "unconverged_steps" in summary:
         count = summary["unconverged_steps"]
         steps = summary.get("steps", 0)
-        held = summary.get("unsettled_steps", 0)
-        colour = "red" if count else "amber" if held else "green"
+        unsettled = summary.get("unsettled_steps", 0)
+        colour = "red" if count else "amber" if unsettled else "green"
         said = f"{count} of {steps} macro steps did not converge."
-        said += f" {held} held a discrete value that does not settle." if held else ""
+        said += f" {unsettled} held a discrete value that does not settle." if unsettled else ""
         yield Verdict(colour, "convergence", said)
     if "interface_work_imbalance" in summary:
         said = "The interface work of both participants differs by {} (limit {})."
@@ -308,13 +308,13 @@ def _of_side_force(results, name):
     force, demand = f"{name}.side_force", f"{name}.side_force_demand"
     if not {force, demand} <= {*results.ports}:
         return
-    found, asked = (results.series(port).values for port in (force, demand))
+    actual, asked = (results.series(port).values for port in (force, demand))
     size = float(np.sqrt(np.mean(asked**2)))
     if not size > 0.0:
         return
-    apart = float(np.sqrt(np.mean((found - asked) ** 2))) / size
+    deviation = float(np.sqrt(np.mean((actual - asked) ** 2))) / size
     said = "The side force differs from the side-force demand by {} rms (limit {})."
-    yield _share("side force", apart, FORCE, said)
+    yield _share("side force", deviation, FORCE, said)
 
 
 def _of_play(results, name):

@@ -61,7 +61,7 @@ state, and position of the faults, which front/native.c reads."""
 
 
 def memory_of(
-    given: Mapping[str, np.ndarray],
+    first_parts: Mapping[str, np.ndarray],
     lengths: Mapping[str, int],
     unsaved: int = 0,
 ) -> np.ndarray:
@@ -69,18 +69,18 @@ def memory_of(
 
     Parameters
     ----------
-    given : mapping
+    first_parts : mapping
         Parts by name, in order.
     lengths : mapping
         Lengths of the parts after them. Two of them are named state and faults.
     unsaved : int
         Length of the end of the state that a saved state omits.
     """
-    sizes = {name: part.size for name, part in given.items()} | dict(lengths)
+    sizes = {name: part.size for name, part in first_parts.items()} | dict(lengths)
     begins = np.cumsum([PARTS_FROM + len(sizes) + 1, *sizes.values()])
     first = dict(zip(sizes, begins))
     head = [begins[-1], first["state"], sizes["state"] - unsaved, first["faults"], *begins]
-    return np.concatenate([head, *given.values()])
+    return np.concatenate([head, *first_parts.values()])
 
 
 @compilable

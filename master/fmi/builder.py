@@ -342,9 +342,9 @@ def _files(name: str) -> dict[str, Path]:
 
 def _pythonfmu() -> Path:
     """Return the folder of pythonfmu, without the import that takes a tenth of a start."""
-    found = find_spec("pythonfmu")
-    assert found is not None and found.origin is not None, "pythonfmu is not installed"
-    return Path(found.origin).parent
+    spec = find_spec("pythonfmu")
+    assert spec is not None and spec.origin is not None, "pythonfmu is not installed"
+    return Path(spec.origin).parent
 
 
 def _digest(contents: Mapping[str, bytes]) -> str:

@@ -126,13 +126,13 @@ def build_native_fmu(
 class Inside(NamedTuple):
     """Model instance from which a native FMU is made.
 
-    slave : instance in Python, with the variables and their positions; given : first part of the
+    slave : instance in Python, with the variables and their positions; setup : first part of the
     model's memory.
     """
 
     slave: FieldSlave
     part: NativePart
-    given: np.ndarray
+    setup: np.ndarray
 
 
 def pack_native_fmu(
@@ -167,7 +167,7 @@ def pack_native_fmu(
 def _members(inside: Inside, made: Mapping[str, bytes], version: str) -> dict[str, bytes]:
     """Return the content of an FMU by path; `made` are libraries by platform."""
     slave = inside.slave
-    model = slave_file(slave, inside.part, inside.given)
+    model = slave_file(slave, inside.part, inside.setup)
     members = texts_of(slave, version, True, list(made), sums_of(model))
     for platform, library in made.items():
         ends = PLATFORMS[platform]
@@ -259,7 +259,7 @@ def slave_inside(
         slave = slave_class(slave_of(package))(instance_name="native", resources=scratch)
         if slave.string or slave.courses:
             raise BadInput(f"{package}: expected no texts in a native FMU, got some")
-        return Inside(slave, part, part.given(slave))
+        return Inside(slave, part, part.setup(slave))
 
 
 # ---- the library
@@ -364,11 +364,11 @@ def object_files(
     """
     folder = cache_folder("native")
     code = _digest_of_code(package)
-    kept = {name: folder / f"{package}-{name}-{code}.o" for name in platforms}
-    if not all(path.exists() for path in kept.values()):
+    paths = {name: folder / f"{package}-{name}-{code}.o" for name in platforms}
+    if not all(path.exists() for path in paths.values()):
         with sole_compiler(folder / f"{package}-{code}.lock", package, progress):
-            _compile(package, kept, folder / f"{package}-{code}.ll.gz", progress)
-    return {name: path.read_bytes() for name, path in kept.items()}
+            _compile(package, paths, folder / f"{package}-{code}.ll.gz", progress)
+    return {name: path.read_bytes() for name, path in paths.items()}
 
 
 @contextmanager
@@ -393,15 +393,15 @@ def sole_compiler(
 
 
 def _compile(
-    package: str, kept: Mapping[str, Path], module: Path, progress: Callable[[str], object]
+    package: str, paths: Mapping[str, Path], module: Path, progress: Callable[[str], object]
 ) -> None:
     """Compile the missing object files."""
-    missing = [name for name, path in kept.items() if not path.exists()]
+    missing = [name for name, path in paths.items() if not path.exists()]
     if not missing:
         return
     progress(f"compiling {package} for {', '.join(missing)}, which takes a few minutes")
     for name, data in native_code.object_files(package, missing, module, progress).items():
-        write_whole(kept[name], data)
+        write_whole(paths[name], data)
 
 
 def _digest_of_code(package: str) -> str:
@@ -425,8 +425,8 @@ def _file_of(module: str) -> Path:
     """
     for name in (f"{ROOT}.{module}", module):
         with suppress(ModuleNotFoundError):
-            if (found := find_spec(name)) and found.origin:
-                return Path(found.origin).resolve()
+            if (spec := find_spec(name)) and spec.origin:
+                return Path(spec.origin).resolve()
     raise ModuleNotFoundError(module)
 
 

@@ -65,11 +65,14 @@ def packed(kind: Any, *others: str) -> tuple[Any, Any]:
     They are (array, tuple) and (array, *others). `others` are the fields that are not numbers.
     """
     names = [name for name in kind._fields if name not in others]
-    given = "".join(f", {name}" for name in others)
+    extra = "".join(f", {name}" for name in others)
     stores = "".join(f"    x[{k}] = value.{name}\n" for k, name in enumerate(names))
     values = ", ".join([f"{n}=x[{k}]" for k, n in enumerate(names)] + [f"{n}={n}" for n in others])
     scope: dict[str, Any] = {"kind": kind}
-    exec(f"def put(x, value):\n{stores}\ndef made(x{given}):\n    return kind({values})", scope)
+    exec(
+        f"def put(x, value):\n{stores}\ndef made(x{extra}):\n    return kind({values})",
+        scope,
+    )
     return compiled(scope["put"]), compiled(scope["made"])
 
 
@@ -102,12 +105,12 @@ class Kernel(Generic[Given, Result]):
         alone = dict.fromkeys(("no_cpython_wrapper", "no_cfunc_wrapper"), True)
         return self._made(self._kept_as("CalleeCache"), pipeline_class=CalleeCompiler, **alone)
 
-    def _made(self, kept: Any, **options: Any) -> Any:
+    def _made(self, cache: Any, **options: Any) -> Any:
         from numba import njit
 
         dispatcher: Any = njit(error_model="numpy", **options, **self.targetoptions)(self.py_func)
-        if kept:
-            dispatcher._cache = kept
+        if cache:
+            dispatcher._cache = cache
         return dispatcher
 
     @cached_property

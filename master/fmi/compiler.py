@@ -109,8 +109,8 @@ def this_platform() -> str | None:
 def compiler_of(platform: str) -> tuple[str, ...] | None:
     """Return the command of the C compiler for a platform, None if there is none."""
     for command in PLATFORMS[platform].compilers:
-        if found := shutil.which(command[0]):
-            return (found, *command[1:])
+        if path := shutil.which(command[0]):
+            return (path, *command[1:])
         if command[0] == "zig" and find_spec("ziglang"):
             return (sys.executable, "-P", "-m", "ziglang", *command[1:])
     return None

@@ -100,8 +100,8 @@ def root_of(
     attributes = {"startTime": 0.0, "stopTime": usual.stop, "stepSize": usual.step}
     if usual.tolerance is not None:
         attributes["tolerance"] = usual.tolerance
-    given = {name: repr(float(value)) for name, value in attributes.items()}
-    SubElement(root, "DefaultExperiment", given)
+    texts = {name: repr(float(value)) for name, value in attributes.items()}
+    SubElement(root, "DefaultExperiment", texts)
     return root
 
 

@@ -44,14 +44,14 @@ def collecting(faults: list[str], before: str = "") -> Generator[None, None, Non
 
 def for_all(function: Callable[[Item], Found], items: Iterable[Item]) -> list[Found]:
     """Return the results of a function for all items; raise `BadInput` with the faults of all."""
-    found: list[Found] = []
+    results: list[Found] = []
     faults: list[str] = []
     for item in items:
         with collecting(faults):
-            found.append(function(item))
+            results.append(function(item))
     if faults:
         raise BadInput(dict.fromkeys(faults))
-    return found
+    return results
 
 
 MOST_NAMES = 7
@@ -82,6 +82,9 @@ def unknown(kind: str, name: object, known: Iterable[str], hint: str = "") -> st
     """Return "expected one of a, b, got unknown KIND 'name'; did you mean 'a'?".
 
     If no known name is similar, `hint` replaces the question.
+
+    >>> unknown("method", "nwton", ["newton", "relaxation"])
+    "expected one of newton, relaxation, got unknown method 'nwton'; did you mean 'newton'?"
     """
     known = list(known)
     question = near(str(name), known) or (f"; {hint}" if hint else "")

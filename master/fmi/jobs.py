@@ -8,9 +8,9 @@ VARIABLE = "PISTON_COSIM_JOBS"
 
 def jobs() -> int:
     """Return the number of processes; default: the processors that this process may use."""
-    given = os.environ.get(VARIABLE, "")
-    if given.isdecimal() and int(given) > 0:
-        return int(given)
+    setting = os.environ.get(VARIABLE, "")
+    if setting.isdecimal() and int(setting) > 0:
+        return int(setting)
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

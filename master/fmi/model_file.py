@@ -15,13 +15,13 @@ WORD = 8  # bytes that are summed at once
 TYPES = ("Real", "Integer", "String", "Enumeration")
 
 
-def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
+def slave_file(slave: FieldSlave, part: NativePart, setup: np.ndarray) -> bytes:
     """Return the content of resources/slave.bin, which front/native.c reads.
 
     It contains positions, ranges and start values of the variables, the first part of the model's
     memory, and sentences.
     """
-    given = np.asarray(given, dtype="<f8")
+    setup = np.asarray(setup, dtype="<f8")
     blocks = [
         (slave.references[n], slave.views[n].size, slave.references[reserved(kind, n)])
         for kind, names in ((SEED, slave.derivative_inputs), (PRODUCT, slave.derivative_outputs))
@@ -36,7 +36,7 @@ def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
         len(slave.derivative_inputs),
         len(slave.derivative_outputs),
         len(table),
-        len(given),
+        len(setup),
         len(part.faults),
         len(texts),
     ]
@@ -49,7 +49,7 @@ def slave_file(slave: FieldSlave, part: NativePart, given: np.ndarray) -> bytes:
             np.array(numbers, dtype="<f8").tobytes(),
             slave.real.astype("<f8").tobytes(),
             slave.integer.astype("<i8").tobytes(),
-            given.tobytes(),
+            setup.tobytes(),
             *(text.encode() + b"\0" for text in (*texts, *part.faults, part.refusal)),
         ]
     )

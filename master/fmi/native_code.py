@@ -143,7 +143,7 @@ KERNELS = 220
 def object_files(
     package: str,
     platforms: Sequence[str],
-    kept: Path,
+    module_path: Path,
     progress: Callable[[str], object] = lambda text: None,
 ) -> dict[str, bytes]:
     """Return the object file of a participant's entries for each of the platforms.
@@ -154,7 +154,7 @@ def object_files(
         Part of the project with a module `native`, or importable package.
     platforms : list of str
         Keys of `TARGETS`.
-    kept : Path
+    module_path : Path
         Cached LLVM module, compressed; created if missing. It takes minutes and is the same for
         all targets.
     progress : callable, optional
@@ -166,7 +166,16 @@ def object_files(
         With the message of numba or LLVM.
     """
     with tempfile.TemporaryDirectory() as scratch:
-        command = [sys.executable, "-P", "-m", __name__, package, str(kept), scratch, *platforms]
+        command = [
+            sys.executable,
+            "-P",
+            "-m",
+            __name__,
+            package,
+            str(module_path),
+            scratch,
+            *platforms,
+        ]
         around = Path(sys.modules[ROOT].__path__[0]).parent
         # last: files next to a checkout must not hide modules of the same name
         path = os.pathsep.join([*filter(None, sys.path), str(around)])
@@ -259,24 +268,25 @@ def in_two_versions(text: str) -> str:
 
     The variable `native_wide` of front/runtime.c chooses between them.
     """
-    found = re.compile(
+    pattern = re.compile(
         rf"^define internal i32 @(?P<name>\S*\d(?:{'|'.join(TWICE)})B\S*?)\((?P<given>.*)\)"
         r"(?P<rest>[^()\n]*)\{\n(?P<body>(?:.*\n)*?)\}$",
         re.MULTILINE,
     )
-    text, count = found.subn(_twice, text)
+    text, count = pattern.subn(_twice, text)
     return f"{text}\n@native_wide = external hidden global i32\n" if count else text
 
 
-def _twice(found: re.Match[str]) -> str:
+def _twice(match: re.Match[str]) -> str:
     """Return both versions of a function, and a function of its name that chooses."""
-    name, given, rest, body = found.group("name", "given", "rest", "body")
+    name, arguments, rest, body = match.group("name", "given", "rest", "body")
     names = {one: _renamed(name, one) for one in ("narrow", "wide")}
-    types = [one.split()[0] for one in given.split(", ")]
+    types = [one.split()[0] for one in arguments.split(", ")]
     handed = ", ".join(f"{kind} %{k}" for k, kind in enumerate(types))
     own = {"narrow": "noinline", "wide": f'noinline "target-features"="{WIDE}"'}
     versions = [
-        f"define internal i32 @{names[one]}({given}){rest} {own[one]} {{\n{body}}}" for one in names
+        f"define internal i32 @{names[one]}({arguments}){rest} {own[one]} {{\n{body}}}"
+        for one in names
     ]
     return "\n".join(
         [
@@ -367,18 +377,18 @@ def _machine(target: Target) -> Any:
     )
 
 
-def main(package: str, kept: str, folder: str, *platforms: str) -> None:
-    """Write the object files into a folder, and save the LLVM module at `kept`."""
+def main(package: str, module_path: str, folder: str, *platforms: str) -> None:
+    """Write the object files into a folder, and save the LLVM module at `module_path`."""
     threading.Thread(target=_follow, daemon=True).start()
     phase = [f"compiling {package}"]
     threading.Thread(target=_report, args=(phase,), daemon=True).start()
     gc.disable()  # numba creates millions of small objects, which live until the process ends
     part = import_part(f"{package}.native").PART
-    if os.path.exists(kept):
-        text = gzip.decompress(Path(kept).read_bytes()).decode()
+    if os.path.exists(module_path):
+        text = gzip.decompress(Path(module_path).read_bytes()).decode()
     else:
         text = module_text(package, part)
-        write_whole(Path(kept), gzip.compress(text.encode(), 1))
+        write_whole(Path(module_path), gzip.compress(text.encode(), 1))
     for name in platforms:
         phase[0] = f"optimising {package} for {name}"
         Path(folder, f"{name}.o").write_bytes(translated(text, TARGETS[name]))

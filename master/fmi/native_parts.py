@@ -50,7 +50,7 @@ class NativePart(NamedTuple):
         start, advance and tangent, `front/native.h`: kernels of four arrays without result,
         (real, integer, memory, numbers). They are real and integer variables of the FMU, its
         memory, and a few numbers of the call.
-    given : callable
+    setup : callable
         Returns the first part of an FMU's memory, ndarray of float64.
     faults : tuple of str
         Sentences by number.
@@ -63,7 +63,7 @@ class NativePart(NamedTuple):
     """
 
     entries: tuple[Any, ...]
-    given: Callable[[Any], Any]
+    setup: Callable[[Any], Any]
     faults: tuple[str, ...]
     refusal: str
     uncovered: Callable[[Mapping[str, Any]], Iterable[str]] = lambda options: ()

@@ -229,15 +229,15 @@ def _tables(schema: Schema, node: Schema, place: Sequence[str | int]) -> list[Sc
 
     Parts of the location that name a type are skipped.
     """
-    found: list[Schema] = []
+    tables: list[Schema] = []
     for option in options(schema, node):
         if not place:
-            found += [option] if "properties" in option else []
+            tables += [option] if "properties" in option else []
             continue
         first, *rest = place
         child = _child(option, first)
-        found += _tables(schema, option if child is None else child, rest)
-    return found
+        tables += _tables(schema, option if child is None else child, rest)
+    return tables
 
 
 def _unit_at(schema: Schema, node: Schema, place: Sequence[str | int]) -> str:

@@ -26,16 +26,20 @@ def registry() -> Any:
     pint: Any = import_module("pint")
     made = partial(pint.UnitRegistry, autoconvert_offset_to_baseunit=True)
     with suppress(OSError, RuntimeError):  # there is no place for a cache
-        kept = cache_folder("units")
+        cache = cache_folder("units")
         try:
-            return made(cache_folder=kept)
+            return made(cache_folder=cache)
         except Exception:  # whatever a damaged pickle raises
-            rmtree(kept, ignore_errors=True)
+            rmtree(cache, ignore_errors=True)
     return made()
 
 
 def pint_unit(unit: str) -> str:
-    """Convert a unit from FMI to pint: "kg.m2" -> "kg*m**2", "1" -> "dimensionless"."""
+    """Convert a unit from FMI to pint: "kg.m2" -> "kg*m**2", "1" -> "dimensionless".
+
+    >>> pint_unit("kg.m2"), pint_unit("1")
+    ('kg*m**2', 'dimensionless')
+    """
     return (
         "dimensionless"
         if unit == "1"
@@ -66,7 +70,11 @@ def _without_pint(value: Any, unit: str) -> float | None:
 
 
 def to_si(value: object, unit: str, is_difference: bool = False) -> float:
-    """Convert a user's value to SI; see `_by_pint`."""
+    """Convert a user's value to SI; see `_by_pint`.
+
+    >>> to_si("40 mm", "m"), to_si("90 degC", "K"), to_si(0.5, "1")
+    (0.04, 363.15, 0.5)
+    """
     plain = _without_pint(value, unit)
     if plain is None and not isinstance(value, bool) and isinstance(value, (str, int, float)):
         plain = _by_pint(value, unit, is_difference)
@@ -138,7 +146,11 @@ def angle_power(units: Any) -> float:
 
 
 def times(text: str, factor: float) -> str:
-    """Return a quantity times a number, as text."""
+    """Return a quantity times a number, as text.
+
+    >>> times("40 mm", 1.5)
+    '60 mm'
+    """
     one = quantity(text)
     return f"{factor * one.magnitude:.12g} {one.units:~}"
 
@@ -175,16 +187,16 @@ def _by_pint(value: str | float, unit: str, is_difference: bool = False) -> floa
     if not is_known(unit):
         raise ValueError(f"expected a known unit, got {unit!r}")
     try:
-        given = quantity(str(value))
+        parsed = quantity(str(value))
     except ValueError:
         raise _not_a_quantity(value, unit) from None
     target = pint_unit(unit)
     # a bare number for a unit such as % is a share or in the unit: factor 100
-    bare = not given.units._units and registry().Quantity(1.0, target).to_root_units().m != 1.0
-    if _is_apart(given, unit) or bare:
+    bare = not parsed.units._units and registry().Quantity(1.0, target).to_root_units().m != 1.0
+    if _is_apart(parsed, unit) or bare:
         raise _not_a_quantity(value, unit)
-    zero = registry().Quantity(0.0, given.units).to(target).magnitude if is_difference else 0.0
-    return float(given.to(target).magnitude - zero)
+    zero = registry().Quantity(0.0, parsed.units).to(target).magnitude if is_difference else 0.0
+    return float(parsed.to(target).magnitude - zero)
 
 
 @cache
@@ -192,11 +204,14 @@ def from_si(value: float, si: str, unit: str) -> float:
     """Convert a value from the SI unit `si` to another unit, as pint writes it.
 
     Raises `ValueError` if the unit is unknown or has another dimension.
+
+    >>> print(f"{from_si(2.0, 'rad/s', 'rpm'):.3f}")
+    19.099
     """
-    given = registry().Quantity(value, pint_unit(si))
-    if not is_known(unit) or not are_compatible(given.units, pint_unit(unit)):
+    amount = registry().Quantity(value, pint_unit(si))
+    if not is_known(unit) or not are_compatible(amount.units, pint_unit(unit)):
         raise ValueError(f"expected a unit of {si}, got {unit!r}")
-    return float(given.to(pint_unit(unit)).magnitude)
+    return float(amount.to(pint_unit(unit)).magnitude)
 
 
 @cache
@@ -222,7 +237,11 @@ def base_unit(unit: str) -> dict[str, str]:
 
 
 def duration(name: str, text: str) -> float:
-    """Return a positive time in seconds; raise `BadInput` with `name` if it is not."""
+    """Return a positive time in seconds; raise `BadInput` with `name` if it is not.
+
+    >>> duration("time.stop", "20 ms")
+    0.02
+    """
     try:
         seconds = to_si(text, "s")
     except ValueError as error:
@@ -247,7 +266,11 @@ def _is_angle(text: str) -> bool:
 
 @cache
 def is_known(unit: str) -> bool:
-    """Return whether pint knows a unit; FMUs may use any name."""
+    """Return whether pint knows a unit; FMUs may use any name.
+
+    >>> is_known("MPa"), is_known("furlong per sol")
+    (True, False)
+    """
     try:
         registry().Unit(pint_unit(unit))
     except Exception:
@@ -286,7 +309,11 @@ class in_unit:
 
 
 def short(value: float, unit: str, digits: int = 3) -> str:
-    """Return a value as text with a prefixed unit: 5.2e-6 m -> "5.2 um"."""
+    """Return a value as text with a prefixed unit: 5.2e-6 m -> "5.2 um".
+
+    >>> short(5.2e-6, "m"), short(3.2e6, "Pa"), short(0.25, "1")
+    ('5.2 µm', '3.2 MPa', '0.25')
+    """
     if unit == "1":
         return f"{value:.{digits}g}"
     if unit == "rad":
@@ -312,6 +339,9 @@ def numbers_text(value: float, spread: float) -> str:
 
     A value above its uncertainty has another digit if both would be equal. An uncertainty of NaN is
     unknown.
+
+    >>> numbers_text(2.1685, 0.081), numbers_text(2.1685, 0.0)
+    ('2.17 +- 0.08', '2.17')
     """
     if isnan(spread):
         return f"{value:.3g} +- unknown"

@@ -207,7 +207,7 @@ class FieldSlave(Fmi2Slave):
             ],
             dtype=int,
         )
-        self.given = {v.name for v in real + integer if v.causality != "output"}
+        self.settable = {v.name for v in real + integer if v.causality != "output"}
         self.read_texts = [v.name for v in self.table if v.type == "String"]
         self.read_numbers = {
             v.name: self.views[v.name]
@@ -342,7 +342,7 @@ class FieldSlave(Fmi2Slave):
     def _given(self) -> tuple[Any, ...]:
         """Return all values that a start depends on, comparable."""
         return (
-            *(self.views[v.name].tobytes() for v in self.table if v.name in self.given),
+            *(self.views[v.name].tobytes() for v in self.table if v.name in self.settable),
             tuple(self.string),
         )
 

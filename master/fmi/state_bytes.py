@@ -50,10 +50,10 @@ def _taken_apart(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray], by
     if not packed.eof:
         raise ValueError("no state of a slave")
     end = LENGTH + int.from_bytes(whole[:LENGTH], "little")
-    given = json.loads(whole[LENGTH:end])
-    if not isinstance(given, dict) or "arrays" not in given:
+    parsed = json.loads(whole[LENGTH:end])
+    if not isinstance(parsed, dict) or "arrays" not in parsed:
         raise ValueError("no state of a slave")
-    head = cast(dict[str, Any], given)
+    head = cast(dict[str, Any], parsed)
     arrays: dict[str, np.ndarray] = {}
     for name, dtype, shape in head.pop("arrays"):
         array = np.frombuffer(whole, dtype, prod(shape), end).reshape(shape).copy()

@@ -88,32 +88,32 @@ def reached(file: Path) -> set[Path]:
 @cache
 def _imported(file: Path) -> list[Path]:
     """Return the files that a file's relative imports name."""
-    found: list[Path] = []
+    files: list[Path] = []
     level: int
     for level, module, names in _relative_imports(file.read_bytes()):
         package = file.parents[level - 1].joinpath(*module.split("."))
         if (one := package.with_name(package.name + ".py")).is_file():
-            found.append(one)
+            files.append(one)
         else:
-            found += [package / "__init__.py", *(package / f"{name}.py" for name in names)]
-            found += [package / name / "__init__.py" for name in names]
-    return [path.resolve() for path in found if path.is_file()]
+            files += [package / "__init__.py", *(package / f"{name}.py" for name in names)]
+            files += [package / name / "__init__.py" for name in names]
+    return [path.resolve() for path in files if path.is_file()]
 
 
 def _cached(find: Callable[[bytes], Any]) -> Callable[[bytes], Any]:
     """Cache the results of a function of a source, because parsing takes a fifth of a start."""
 
     def known(source: bytes) -> Any:
-        kept = None
+        path = None
         with suppress(OSError, ValueError):
             name = sha256(_OWN_SOURCE + source).hexdigest()[:24]
-            kept = cache_folder("imports") / f"{name}.{find.__name__.strip('_')}"
-            return json.loads(kept.read_text())
-        found = find(source)
-        if kept:
+            path = cache_folder("imports") / f"{name}.{find.__name__.strip('_')}"
+            return json.loads(path.read_text())
+        entries = find(source)
+        if path:
             with suppress(OSError):
-                write_whole(kept, json.dumps(found).encode())
-        return found
+                write_whole(path, json.dumps(entries).encode())
+        return entries
 
     return known
 

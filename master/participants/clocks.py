@@ -297,12 +297,12 @@ def _clock(node):
     if kind not in KINDS:
         raise ValueError(f"expected intervalVariability {', '.join(KINDS)}, got {kind!r}")
     return Clock(
-        str(node.get("name")),
-        int(node.get("valueReference")),
-        node.get("causality", "local"),
-        kind,
-        _seconds(node, "interval"),
-        _seconds(node, "shift"),
+        name=str(node.get("name")),
+        reference=int(node.get("valueReference")),
+        causality=node.get("causality", "local"),
+        kind=kind,
+        interval=_seconds(node, "interval"),
+        shift=_seconds(node, "shift"),
     )
 
 

@@ -294,7 +294,7 @@ def _agrees(predicted: Fields, change: Fields, values: Mapping[str, Any]) -> boo
         if largest <= 10 * noise:
             continue
         shown = True
-        apart = np.linalg.norm(predicted[name] - true)
-        if not apart <= AGREES * np.linalg.norm(true) + noise:
+        error = np.linalg.norm(predicted[name] - true)
+        if not error <= AGREES * np.linalg.norm(true) + noise:
             return False
     return True if shown else None

@@ -47,8 +47,8 @@ class DescribedFmu:
         self.name, self.path, self.sizes = name, Path(path), sizes or {}
         self.elements = frozenset(elements)
         self._is_cached = self._is_cached and not self.elements
-        if self._is_cached and (kept := cached_description(self.path)):
-            self.description, self.fields = kept
+        if self._is_cached and (cached := cached_description(self.path)):
+            self.description, self.fields = cached
         else:
             self._read_description()
         root = self._before_the_variables()
@@ -120,13 +120,13 @@ class DescribedFmu:
         if wanted in names:
             return
         files = [name.split("/") for name in names]
-        found = sorted({file[1] for file in files if file[0] == "binaries" and file[2:]})
-        if platform in found:
+        platforms = sorted({file[1] for file in files if file[0] == "binaries" and file[2:]})
+        if platform in platforms:
             got = ", ".join(
                 n for n in names if n.startswith(f"binaries/{platform}/") and n[-1] != "/"
             )
         else:
-            got = f"libraries for {', '.join(found)} only" if found else "no library"
+            got = f"libraries for {', '.join(platforms)} only" if platforms else "no library"
         has_sources = any(file[0] == "sources" and file[1:] != [""] for file in files)
         hint = f"export it for {platform}"
         if has_sources:

@@ -183,15 +183,15 @@ class InterpolatedParticipant(RepeatedStep, FieldByField, Wrapper):
 def _slope(field):
     """Return the field of the companion input."""
     return Field(
-        slope_of(field.name),
-        field.shape,
-        (),
-        "Real",
-        "input",
-        f"{field.unit}/s",
-        None,
-        None,
-        None,
-        None,
-        f"Time derivative of {field.name} at the end of a step",
+        name=slope_of(field.name),
+        shape=field.shape,
+        references=(),
+        type="Real",
+        causality="input",
+        unit=f"{field.unit}/s",
+        nominal=None,
+        minimum=None,
+        maximum=None,
+        start=None,
+        description=f"Time derivative of {field.name} at the end of a step",
     )

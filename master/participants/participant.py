@@ -85,8 +85,8 @@ class FieldBlock:
 
     def __init__(self, participant: Any, names: Sequence[str], use: str = "read"):
         self.participant, self.names = participant, names
-        given = names if use == "written" else ()
-        self.values = np.zeros(sum(prod(participant.fields[name].shape) for name in given))
+        written = names if use == "written" else ()
+        self.values = np.zeros(sum(prod(participant.fields[name].shape) for name in written))
 
     def get(self) -> None:
         """Read the fields into `values`."""

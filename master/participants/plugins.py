@@ -30,15 +30,15 @@ def plugin(kind: str, name: str) -> Any:
 
     Raises `BadInput` if it does not exist, or if its package cannot be imported.
     """
-    found = [entry for entry in entry_points(group=GROUP + kind) if entry.name == name]
-    if not found:
+    matches = [entry for entry in entry_points(group=GROUP + kind) if entry.name == name]
+    if not matches:
         hint = "install the package that has it"
         raise BadInput(f"{KEYS[kind]}: {unknown('plugin', name, names(kind), hint)}")
     try:
-        return found[0].load()
+        return matches[0].load()
     except Exception as error:
         raise BadInput(
-            f"{KEYS[kind]}: expected a module that can be imported, got {found[0].value}: {error}"
+            f"{KEYS[kind]}: expected a module that can be imported, got {matches[0].value}: {error}"
         ) from None
 
 

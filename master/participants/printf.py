@@ -39,31 +39,31 @@ def printed(message, arguments):
         return text.replace("%%", "%")
     words, doubles = iter(arguments[:WORDS]), iter(arguments[WORDS:])
     try:
-        return CONVERSION.sub(lambda found: _converted(found, words, doubles), text)
+        return CONVERSION.sub(lambda match: _converted(match, words, doubles), text)
     except StopIteration:
         return text
 
 
-def _converted(found, words, doubles):
+def _converted(match, words, doubles):
     """Return one formatted conversion, and consume its arguments."""
-    kind = found["kind"]
+    kind = match["kind"]
     if kind == "%":
         return "%"
-    width = _given(found["width"], words)
-    precision = _given(found["precision"], words)
+    width = _given(match["width"], words)
+    precision = _given(match["precision"], words)
     sized = "" if precision is None else f".{precision}"
-    form = f"%{found['flags']}{'' if width is None else width}{sized}"
+    form = f"%{match['flags']}{'' if width is None else width}{sized}"
     if kind in "eEfFgG":
         return f"{form}{kind}" % next(doubles)
     word = next(words)
     if kind == "s":
-        given = ctypes.string_at(word) if word else b"(null)"
-        return f"{form}s" % given.decode(errors="replace")
+        raw = ctypes.string_at(word) if word else b"(null)"
+        return f"{form}s" % raw.decode(errors="replace")
     if kind == "p":
         return f"{form}s" % hex(word)
     if kind == "c":
         return f"{form}s" % chr(word & 0xFF)
-    bits = 8 * SIZES.get(found["length"], 8)
+    bits = 8 * SIZES.get(match["length"], 8)
     number = word & ((1 << bits) - 1)
     if kind in "di" and number >> (bits - 1):
         number -= 1 << bits

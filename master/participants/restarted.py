@@ -21,7 +21,7 @@ class RestartedParticipant(Wrapper):
 
     def __init__(self, participant: Any, values: Mapping[str, Any], begin: float, end: float):
         super().__init__(participant)
-        self.given = values, begin, end
+        self.start_arguments = values, begin, end
 
     def save(self):
         """Do nothing, because there is only one state."""
@@ -29,7 +29,7 @@ class RestartedParticipant(Wrapper):
     def restore(self, saved):
         """Restart the participant."""
         self.participant.close()
-        self.participant.start(*self.given)
+        self.participant.start(*self.start_arguments)
         self.participant.save()  # interpolated inputs begin here
 
     def free(self, saved):

@@ -203,14 +203,14 @@ def _difference(
     }
     for k, (before, after) in enumerate(zip(plain, repeated), 1):
         for name, value in before.items():
-            apart = _apart(value, after[name])
-            share = apart / sizes[name]
+            difference = _apart(value, after[name])
+            share = difference / sizes[name]
             counts = one.fields[name].type == "Real" or name in wired
             is_tally = TALLY in (one.fields[name].description or "")
             if share <= (worst if counts else ROUND_OFF) or (is_tally and not counts):
                 continue
             said = (
-                f"{name} differs by {apart:.3g} ({100 * share:.3g} %) after step {k} if "
+                f"{name} differs by {difference:.3g} ({100 * share:.3g} %) after step {k} if "
                 "states are saved and restored"
             )
             if counts:

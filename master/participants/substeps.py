@@ -18,14 +18,17 @@ def shifted(course, by):
     Eq. (P6):  u^(i)(s) = sum over j >= i of u^(j)(0) s^(j-i) / (j-i)!
 
     course : ndarray, shape (order + 1, *shape), value first; by : s [s].
+
+    >>> shifted(np.array([1.0, 2.0, 6.0]), 1.0)
+    array([6., 8., 6.])
     """
-    found = np.zeros_like(course)
+    coefficients = np.zeros_like(course)
     for i in range(len(course)):
         term = 1.0
         for j in range(i, len(course)):
-            found[i] += course[j] * term  # Eq. (P6)
+            coefficients[i] += course[j] * term  # Eq. (P6)
             term *= by / (j - i + 1)
-    return found
+    return coefficients
 
 
 class Substeps(RepeatedStep, FieldByField, Wrapper):

@@ -222,14 +222,14 @@ def _si(unit):
 
 def _column(path, cell, faults):
     """Return name and unit of a column."""
-    found = HEAD.fullmatch(cell)
-    if not found or not found["name"]:
+    match = HEAD.fullmatch(cell)
+    if not match or not match["name"]:
         faults.append(f"{path}: expected NAME or NAME [unit], got {cell!r}")
         return "", "1"
-    unit = found["unit"] or "1"
+    unit = match["unit"] or "1"
     if not is_known(unit):
-        faults.append(f"{path}, column {found['name']}: expected a known unit, got {unit!r}")
-    return found["name"], unit
+        faults.append(f"{path}, column {match['name']}: expected a known unit, got {unit!r}")
+    return match["name"], unit
 
 
 def _numbers(path, rows, width, faults):

@@ -283,7 +283,7 @@ class FmuFields(DescribedFmu):
             kinds.setdefault(self._whole_numbers.get(kind, kind), []).append(name)
         return [
             (chosen, self._getter(kind, chosen, [self.fields[n].references[0] for n in chosen]))
-            for kind, chosen in ((kind, tuple(found)) for kind, found in kinds.items())
+            for kind, chosen in ((kind, tuple(names)) for kind, names in kinds.items())
         ]
 
     def _getter(self, kind, names, references):

@@ -168,8 +168,8 @@ def _line_chart(case, picture, ports, runs, x_unit, title):
         for port in ports
     }
     is_zero = {
-        port: not any(one.series(port).values.any() for one in found)
-        for port, found in having.items()
+        port: not any(one.series(port).values.any() for one in own_runs)
+        for port, own_runs in having.items()
     }
     ports = [port for port in ports if not is_zero[port]] or ports
     own, curves, extremes, shown, unit = _own_words(ports), [], [], "", ""

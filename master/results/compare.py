@@ -164,7 +164,7 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
 def _columns(path, heads, columns):
     """Return the columns by port, each with its band."""
     known = {(head["port"], head["bound"]): k for k, head in enumerate(heads)}
-    found = {}
+    by_port = {}
     faults = []
     for (port, bound), k in known.items():
         if bound:
@@ -184,10 +184,10 @@ def _columns(path, heads, columns):
         band = {other: columns[n] for other, n in bounds.items()}
         if len(band) == 2 and np.any(band["low"] > band["high"]):
             faults.append(f"{path}, {port} low: expected values up to {port} high, got higher ones")
-        found[port] = Measured(columns[k], heads[k]["unit"], **band)
+        by_port[port] = Measured(columns[k], heads[k]["unit"], **band)
     if faults:
         raise BadInput(faults)
-    return found
+    return by_port
 
 
 def share_within(x, y, x_measured, measured) -> float | None:

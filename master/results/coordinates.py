@@ -73,5 +73,5 @@ def distinct(names: dict[str, int], dimension: Dimension, owner: str) -> Dimensi
 
 
 def _first_word(label: str) -> str:
-    found = re.search(r"\w+", label)
-    return found[0] if found else "index"
+    match = re.search(r"\w+", label)
+    return match[0] if match else "index"

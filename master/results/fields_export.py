@@ -45,7 +45,9 @@ def read_block(results, port):
     if dataset.ndim != 3:
         raise BadInput(f"{port}: expected a field of two indices, got shape {dataset.shape[1:]}")
     i, j = (np.arange(1, size + 1) for size in dataset.shape[1:])
-    return ExportedField(port, dataset.attrs["unit"], results.instants, i, j, dataset[:])
+    return ExportedField(
+        name=port, unit=dataset.attrs["unit"], times=results.instants, i=i, j=j, values=dataset[:]
+    )
 
 
 def chosen(block, time=None, i=None, j=None):
@@ -86,18 +88,20 @@ def grid_positions(case, results, block):
 
     The positions are along the case's axes of the field. Unknown ones are omitted.
     """
-    found = []
+    positions = []
     if crank := crank_angle(results):
         angle = np.degrees(np.interp(block.times, crank.time, crank.angle))
-        found.append(Positions("crank angle", "deg", angle[:, None, None]))
+        positions.append(Positions("crank angle", "deg", angle[:, None, None]))
     axes = case.axes_of(block.name)
     if axes is not NEUTRAL:
         around, along = results.dataset(block.name).shape[1:]
         first = axes.first.positions(around)[block.i - 1]
         second = axes.second.positions(along)[block.j - 1]
-        found.append(Positions(axes.first.label, axes.first.unit or "1", first[None, :, None]))
-        found.append(Positions(axes.second.label, axes.second.unit or "1", second[None, None, :]))
-    return found
+        positions.append(Positions(axes.first.label, axes.first.unit or "1", first[None, :, None]))
+        positions.append(
+            Positions(axes.second.label, axes.second.unit or "1", second[None, None, :])
+        )
+    return positions
 
 
 def write_csv(blocks, path, positions=()):

@@ -54,7 +54,9 @@ class Figure(figure.Figure):
         return data.getvalue()
 
 
-def subplots(rows: int = 1, columns: int = 1, *, figsize: tuple[float, float], **given: Any) -> Any:
+def subplots(
+    rows: int = 1, columns: int = 1, *, figsize: tuple[float, float], **options: Any
+) -> Any:
     """Return a figure with a grid of axes, and the axes, as `pyplot.subplots` does.
 
     Parameters
@@ -63,12 +65,12 @@ def subplots(rows: int = 1, columns: int = 1, *, figsize: tuple[float, float], *
         Size of the grid.
     figsize : tuple of float
         Width and height [in].
-    **given
+    **options
         Options of `Figure.subplots`.
     """
     made = Figure(figsize=figsize, layout="constrained")
     FigureCanvasAgg(made)
-    return made, made.subplots(rows, columns, **given)
+    return made, made.subplots(rows, columns, **options)
 
 
 def stack(rows: int, height: float = 2.3) -> Any:

@@ -139,14 +139,14 @@ def field_map(case, results, port: str, time: str | float, units: Mapping[str, s
         extreme = results.envelope(port)
         steps = "all steps" if extreme.every_step else "recorded instants"
         when = f"extremes of {steps} of the last period"
-        found = {kind: (port, extreme)}
+        fields = {kind: (port, extreme)}
     else:
         seconds = instant(results, time) if isinstance(time, str) else time
         ports = _others(case, results, port, axes) | {kind: port}
-        found = {one: (name, results.field(name, seconds)) for one, name in ports.items()}
-        when = instant_text(results, found[kind][1].time)
+        fields = {one: (name, results.field(name, seconds)) for one, name in ports.items()}
+        when = instant_text(results, fields[kind][1].time)
     layers = {}
-    for one, (name, field) in found.items():
+    for one, (name, field) in fields.items():
         wanted = units.get(name) or (None if name == port else UNITS.get(field.unit))
         values, unit = scaled(field.values, field.unit, wanted)
         layers[one] = Layer(masked(values, results.there(name)), unit)
@@ -161,7 +161,7 @@ def _others(case, results, port, axes) -> dict[str, str]:
     They have the same axes. Among several films with equal axes, only the fields of the same
     participant are known to belong to it, as without axes.
     """
-    found: dict[str, list[str]] = {}
+    by_kind: dict[str, list[str]] = {}
     owner = port.partition(".")[0]
     if kind_of(port) == "field":
         return {}
@@ -169,9 +169,9 @@ def _others(case, results, port, axes) -> dict[str, str]:
         is_own = other.partition(".")[0] == owner
         if kind_of(other) != "field" and case.axes_of(other) == axes:
             if is_own or axes is not NEUTRAL:
-                found.setdefault(kind_of(other), []).append(other)
+                by_kind.setdefault(kind_of(other), []).append(other)
     chosen = {}
-    for kind, ports in found.items():
+    for kind, ports in by_kind.items():
         own = [other for other in ports if other.partition(".")[0] == owner]
         if len(own or ports) == 1:
             chosen[kind] = (own or ports)[0]

@@ -170,7 +170,7 @@ def draw_chart(panel, chart: Chart):
 ANCHORS = {"start": "left", "middle": "center", "end": "right"}
 
 
-def _write(panel, text, at, anchor, is_above, **given):
+def _write(panel, text, at, anchor, is_above, **style):
     """Write a value above or below a mark."""
     aside = {"left": 6, "center": 0, "right": -6}[anchor]
     panel.annotate(
@@ -183,7 +183,7 @@ def _write(panel, text, at, anchor, is_above, **given):
         fontsize=8,
         fontweight="bold",
         path_effects=[HALO],
-        **given,
+        **style,
     )
 
 
@@ -251,8 +251,8 @@ def map_figure(rows: list[MapRow], columns: int | None = None):
             panel.label_outer()
     if handles := _legend(rows):
         count = min(len(handles), 2 if columns == 1 else 5)
-        given = {"loc": "outside lower center", "ncols": count, "frameon": False}
-        figure.legend(handles=handles, fontsize="small", **given)
+        style = {"loc": "outside lower center", "ncols": count, "frameon": False}
+        figure.legend(handles=handles, fontsize="small", **style)
     return figure, panels
 
 
@@ -321,14 +321,14 @@ def draw_values(panel, one: FieldMap, row: MapRow):
     if film is not None:
         levels = [level for level in row.levels if film.min() < level < film.max()]
         if levels:
-            given = {"colors": FILM, "alpha": 0.6, "linewidths": 0.8}
-            drawn = panel.contour(around, along, film[cells].T, levels, **given)
+            style = {"colors": FILM, "alpha": 0.6, "linewidths": 0.8}
+            drawn = panel.contour(around, along, film[cells].T, levels, **style)
             drawn.set_path_effects([FAINT])
             _label_contours(panel, drawn, box, [mark.share for mark in marks])
     if _ruptures(one):
-        given = {"colors": RUPTURE, "linestyles": "--", "linewidths": 1.3}
+        style = {"colors": RUPTURE, "linestyles": "--", "linewidths": 1.3}
         fraction = one.layers["fraction"].values[cells].T
-        drawn = panel.contour(around, along, fraction, [STYLE["rupture"]], **given)
+        drawn = panel.contour(around, along, fraction, [STYLE["rupture"]], **style)
         drawn.set_path_effects([FAINT])
     for mark in marks:
         mark.draw(panel)
@@ -354,8 +354,8 @@ def _label_contours(panel, drawn, box, taken):
         wanted = 0.15 + 0.11 * (k % 3)
         chosen = min(free, key=lambda point: abs(point[0] - wanted))
         placed.append(chosen)
-        given = {"fontsize": 7, "color": FILM, "ha": "center", "va": "center", "clip_on": True}
-        panel.text(*(low + chosen * size), f"{level:g}", path_effects=[HALO], **given)
+        style = {"fontsize": 7, "color": FILM, "ha": "center", "va": "center", "clip_on": True}
+        panel.text(*(low + chosen * size), f"{level:g}", path_effects=[HALO], **style)
 
 
 @dataclass(frozen=True)
@@ -369,8 +369,8 @@ class _PlacedMark:
 
     def draw(self, panel):
         marker, _ = SIGNS[self.mark.sign]
-        given = {"mfc": "none", "mec": "black", "ms": 9, "mew": 1.4, "path_effects": [HALO]}
-        panel.plot(*self.at, marker, clip_on=False, **given)
+        style = {"mfc": "none", "mec": "black", "ms": 9, "mew": 1.4, "path_effects": [HALO]}
+        panel.plot(*self.at, marker, clip_on=False, **style)
         anchor = "left" if self.share[0] < 0.12 else "right" if self.share[0] > 0.88 else "center"
         _write(panel, self.mark.text, self.at, anchor, self.is_above)
 

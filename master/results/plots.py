@@ -113,5 +113,5 @@ class Plots:
         return DRAWN[picture.kind](self._case, picture, self._runs(beside))
 
 
-def _picture(kind: str, **given: Any) -> Picture:
-    return Picture.model_validate(dict(file=f"{kind}.png", title="", kind=kind) | given)
+def _picture(kind: str, **options: Any) -> Picture:
+    return Picture.model_validate(dict(file=f"{kind}.png", title="", kind=kind) | options)

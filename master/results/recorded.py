@@ -152,8 +152,8 @@ class Recorded:
     def _show(self, periods: int):
         """Show the last periods, or the whole run if it is shorter than one."""
         begin, *_, end = self._times
-        held = floor((end - begin) / self.period + NEAR)
-        self._since = self._row(end - min(periods, held) * self.period) if held else 0
+        cycles = floor((end - begin) / self.period + NEAR)
+        self._since = self._row(end - min(periods, cycles) * self.period) if cycles else 0
 
     @property
     def last(self) -> Self:
@@ -238,16 +238,16 @@ class Recorded:
     @cached_property
     def _scalars(self) -> dict[str, bool]:
         """Scalar outputs, and whether they are texts."""
-        found: dict[str, bool] = {}
+        is_text: dict[str, bool] = {}
 
         def note(name, item):
             if isinstance(item, h5py.Dataset):
-                found[_port(name)] = h5py.check_string_dtype(item.dtype) is not None
+                is_text[_port(name)] = h5py.check_string_dtype(item.dtype) is not None
 
         self.file.visititems(note)
-        del found["time"]
+        del is_text["time"]
         groups = ("fields.", "envelopes.")
-        return {name: text for name, text in found.items() if not name.startswith(groups)}
+        return {name: text for name, text in is_text.items() if not name.startswith(groups)}
 
     def structured(self) -> np.ndarray:
         """Return all scalar outputs in FMPy's format of results.

@@ -158,12 +158,12 @@ def checks(judged) -> list[Check]:
     judged : dict of str to sequence of Verdict
     """
     rank = ("red", "amber", "green")
-    found: dict[tuple[str, str], Check] = {}
+    merged: dict[tuple[str, str], Check] = {}
     for label, verdicts in judged.items():
         for one in verdicts:
             check = Check(one.colour, one.outcome, one.what, {})
-            found.setdefault((one.colour, one.what), check).said[label] = one.said
-    return sorted(found.values(), key=lambda check: rank.index(check.colour))
+            merged.setdefault((one.colour, one.what), check).said[label] = one.said
+    return sorted(merged.values(), key=lambda check: rank.index(check.colour))
 
 
 @dataclass(frozen=True)
@@ -326,8 +326,8 @@ def _orbit_data(orbit, columns):
 
 def _layer(case, kind, port, runs):
     """Return the frames of a field of every run at all recorded instants."""
-    held = [results if port in results.recorded else None for results in runs.values()]
-    datasets = [results.dataset(port) if results else None for results in held]
+    holders = [results if port in results.recorded else None for results in runs.values()]
+    datasets = [results.dataset(port) if results else None for results in holders]
     si = next(dataset.attrs["unit"] for dataset in datasets if dataset is not None)
     stacks = [None if dataset is None else dataset[:] for dataset in datasets]
     largest = max(float(np.nanmax(np.abs(own))) for own in stacks if own is not None)
@@ -335,7 +335,7 @@ def _layer(case, kind, port, runs):
     wanted = UNITS.get(kind) or pictured.get(port) or handy_unit(si, largest)
     _, unit = scaled(0.0, si, wanted)
     shown = [None if own is None else scaled(own, si, wanted)[0] for own in stacks]
-    there = [results.there(port) if results else None for results in held]
+    there = [results.there(port) if results else None for results in holders]
     variable = port.rpartition(".")[2].replace("_", " ")
-    found = field_data(name_of(port), unit, case.axes_of(port), shown, there)
-    return found | {"variable": variable}
+    data = field_data(name_of(port), unit, case.axes_of(port), shown, there)
+    return data | {"variable": variable}

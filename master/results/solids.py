@@ -102,10 +102,10 @@ class Solid:
 
     def largest_displacement(self) -> float:
         """Return the largest |Phi q| of all points and instants [m]; 0 without modes."""
-        found = 0.0
+        largest = 0.0
         for q in self.coordinates if self.modes.shape[2] else ():
-            found = max(found, float(np.linalg.norm(self.modes @ q, axis=1).max()))
-        return found
+            largest = max(largest, float(np.linalg.norm(self.modes @ q, axis=1).max()))
+        return largest
 
 
 def solids_data(
@@ -136,10 +136,10 @@ def principal(solid: Solid) -> tuple[np.ndarray, np.ndarray]:
         return solid.modes, solid.coordinates
     basis, triangle = np.linalg.qr(solid.modes.reshape(3 * count, size))
     left, values, right = np.linalg.svd(solid.coordinates @ triangle.T, full_matrices=False)
-    kept = values > LEAST * values[0]
-    shapes = basis @ right[kept].T
+    large = values > LEAST * values[0]
+    shapes = basis @ right[large].T
     largest = np.abs(shapes).max(axis=0, initial=0.0)
-    return (shapes / largest).reshape(count, 3, -1), left[:, kept] * values[kept] * largest
+    return (shapes / largest).reshape(count, 3, -1), left[:, large] * values[large] * largest
 
 
 def _solid(solid, meshes, columns, fields):

@@ -79,13 +79,13 @@ def write_sweep_page(
 
 def _drawn_entries(rows, entries) -> list[str]:
     """Return the entries that all rows have as numbers and that vary by more than round-off."""
-    found = []
+    drawn = []
     for entry in entries:
         values = [value for row in rows if (value := _number(row, entry)) is not None]
         size = max(map(abs, values), default=0.0)
         if len(values) == len(rows) and size > ROUNDING and np.ptp(values) > SAME * size:
-            found.append(entry)
-    return found
+            drawn.append(entry)
+    return drawn
 
 
 def _number(row, entry):
@@ -99,8 +99,8 @@ def _chosen(entries, words):
 
     If there are too few outputs, the last one is repeated.
     """
-    found = [next((name for name in entries if word in name), None) for word in words]
-    order = list(dict.fromkeys([*filter(None, found), *entries]))
+    matches = [next((name for name in entries if word in name), None) for word in words]
+    order = list(dict.fromkeys([*filter(None, matches), *entries]))
     return [entries.index(order[min(k, len(order) - 1)]) for k in range(len(words)) if order]
 
 
@@ -127,12 +127,12 @@ def _check(row):
 
 def _input(name, done):
     """Return a varied key with its unit and its values, or their positions if they are names."""
-    given = [point.row[name] for point in done]
-    texts = [str(value) for value in given]
+    entries = [point.row[name] for point in done]
+    texts = [str(value) for value in entries]
     words = _key_in_words(name)
-    known = [one for value in given if (one := _quantity(value)) is not None]
+    known = [one for value in entries if (one := _quantity(value)) is not None]
     first = known[0].units if known else None
-    if len(known) < len(given) or not all(are_compatible(one.units, first) for one in known):
+    if len(known) < len(entries) or not all(are_compatible(one.units, first) for one in known):
         order = list(dict.fromkeys(texts))
         values = [float(order.index(text)) for text in texts]
         return {"name": words, "values": values, "texts": texts, "named": True}

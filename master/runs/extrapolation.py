@@ -56,9 +56,9 @@ class Extrapolation:
         self.changes: Members = {}
         self.before: Members = {}
         self.changes_before: Members = {}
-        self.kept: dict[str, bytes] = {}
-        self.apart = np.inf
-        self.apart_before = np.inf
+        self.saved_states: dict[str, bytes] = {}
+        self.distance = np.inf
+        self.distance_before = np.inf
 
     def begin(self, participants: Mapping) -> None:
         """Begin a cycle at the current state of the participants."""
@@ -74,16 +74,16 @@ class Extrapolation:
             for port, value in self.ended.items()
             if port in self.begun
         }
-        self.apart_before = self.apart
-        self.apart = max(
+        self.distance_before = self.distance
+        self.distance = max(
             (_apart(self.begun[port], self.ended[port]) for port in self.changes), default=0.0
         )
 
     def proceed(self, participants: Mapping) -> str:
         """Set the participants to the start of the next cycle; return a message, or ""."""
-        if self.kept and self.apart > self.apart_before:
+        if self.saved_states and self.distance > self.distance_before:
             return self._take_back(participants)
-        self.kept = {}
+        self.saved_states = {}
         if self.taken_back >= REFUSALS:
             return ""
         moved = {
@@ -96,10 +96,10 @@ class Extrapolation:
         moved = {port: value for port, value in moved.items() if _size(value - self.ended[port])}
         if not moved:
             return ""
-        self.kept = _states(participants)
+        self.saved_states = _states(participants)
         for owner in {owner for owner, _ in moved}:
             members = {name: value for (one, name), value in moved.items() if one == owner}
-            _restore(participants[owner], with_members(self.kept[owner], members))
+            _restore(participants[owner], with_members(self.saved_states[owner], members))
         self.made += 1
         factors = (
             f"{'.'.join(port)} by {_size(value - self.ended[port]) / _size(self.changes[port]):.2g}"
@@ -108,11 +108,11 @@ class Extrapolation:
         return f"extrapolated by multiples of the last period's change: {', '.join(factors)}"
 
     def _take_back(self, participants):
-        for owner, data in self.kept.items():
+        for owner, data in self.saved_states.items():
             _restore(participants[owner], data)
         self.taken_back += 1
-        said = f"relative change {self.apart:.2g} instead of {self.apart_before:.2g}"
-        self.ended, self.changes, self.kept, self.apart = {}, {}, {}, np.inf
+        said = f"relative change {self.distance:.2g} instead of {self.distance_before:.2g}"
+        self.ended, self.changes, self.saved_states, self.distance = {}, {}, {}, np.inf
         return f"rejected the extrapolation and its period: {said}"
 
 

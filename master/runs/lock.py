@@ -86,7 +86,7 @@ def _is_there(path, handle):
 def _who(data):
     """Return the part of a sentence that names the holder of a lock."""
     try:
-        held = json.loads(data)
-        return f"process {held['process']} on {held['host']} since {held['since']}"
+        owner = json.loads(data)
+        return f"process {owner['process']} on {owner['host']} since {owner['since']}"
     except (ValueError, KeyError, TypeError):
         return "another process"

@@ -75,7 +75,7 @@ class Repetition:
         self.count = 0
         self.distances: list[float] = []
         self.furthest = ("", "")
-        self.apart: dict[Port, float] = {}
+        self.distance_of: dict[Port, float] = {}
 
     @property
     def is_periodic(self) -> bool:
@@ -109,9 +109,9 @@ class Repetition:
         both = change, of_period.high - of_period.low
         changes, extents = (of_period.fields(participants, one) for one in both)
         self.count += 1
-        self.apart = {port: distance(changes[port], extents[port]) for port in changes}
-        self.furthest = max(self.apart, key=self.apart.__getitem__)
-        self.distances.append(self.apart[self.furthest])
+        self.distance_of = {port: distance(changes[port], extents[port]) for port in changes}
+        self.furthest = max(self.distance_of, key=self.distance_of.__getitem__)
+        self.distances.append(self.distance_of[self.furthest])
         if self.extrapolation:
             self.extrapolation.end(participants)
         return self.distances[-1]
@@ -139,8 +139,8 @@ class Repetition:
     def verdict(self) -> str:
         """Return whether the last period repeats the previous one, and what to set if not."""
         if len(self.distances) > 1:
-            apart = f"{self.distances[-1]:.2g} (tolerance {self.tolerance:g})"
-            text = f"the relative change between the last two of {self.taken} periods is {apart}"
+            change = f"{self.distances[-1]:.2g} (tolerance {self.tolerance:g})"
+            text = f"the relative change between the last two of {self.taken} periods is {change}"
         else:
             text = f"the run has {self.taken or 'less than one'} period, the check needs two"
         if self.is_periodic:
@@ -162,13 +162,13 @@ class Repetition:
 
     def _why(self):
         """Return the quantities that do not repeat, and whether the change still decreases."""
-        farthest = sorted(self.apart, key=self.apart.__getitem__, reverse=True)
+        farthest = sorted(self.distance_of, key=self.distance_of.__getitem__, reverse=True)
         fields = ", ".join(
-            f"{'.'.join(port)} {self.apart[port]:.2g}"
+            f"{'.'.join(port)} {self.distance_of[port]:.2g}"
             for port in farthest[:SHOWN]
-            if self.apart[port] > self.tolerance
+            if self.distance_of[port] > self.tolerance
         )
-        rest = sum(value > self.tolerance for value in self.apart.values()) - SHOWN
+        rest = sum(value > self.tolerance for value in self.distance_of.values()) - SHOWN
         fields += f" and {rest} more" if rest > 0 else ""
         if self.no_nearer >= NO_NEARER:
             return f"The change no longer decreases: {fields}"
@@ -177,18 +177,18 @@ class Repetition:
     def summary(self) -> dict[str, object]:
         """Return the summary entries."""
         slow = self.extrapolation
-        found: dict[str, object] = {
+        entries: dict[str, object] = {
             "periods": self.taken,
             "periodic": self.is_periodic,
             "settled": self.verdict(),
         }
         if self.distances:
-            found["period_distance"] = self.distances[-1]
-            found["period_distance_least"] = min(self.distances)
+            entries["period_distance"] = self.distances[-1]
+            entries["period_distance_least"] = min(self.distances)
         if slow and slow.made:
-            found["extrapolated_periods"] = slow.made
-            found["taken_back_periods"] = slow.taken_back
-        return found
+            entries["extrapolated_periods"] = slow.made
+            entries["taken_back_periods"] = slow.taken_back
+        return entries
 
 
 def distance(change: np.ndarray, extent: np.ndarray) -> float:

@@ -17,7 +17,7 @@ from ..case.tables import reduced
 from ..coupling.compiled_newton import compiled_if_native
 from ..coupling.components import by_components, components, table
 from ..coupling.freezing import freeze, thaw
-from ..coupling.ledger import JudgedPart, ledger, together
+from ..coupling.ledger import JudgedPart, ledger, total_balance
 from ..coupling.methods import method_of
 from ..coupling.negotiation import (
     by_differences,
@@ -123,10 +123,10 @@ def run(
             finally:
                 for name, warning in logged_warnings(system):
                     say(f"{name}: {warning.text}")
-            found = trials(system, case.coupling.method != "explicit")
-            for line in trial_sentences(system, found):
+            rollback_trials = trials(system, case.coupling.method != "explicit")
+            for line in trial_sentences(system, rollback_trials):
                 say(line)
-            system = tried(system, found)
+            system = tried(system, rollback_trials)
             objected = objections(system, method_of(case.coupling))
             for line in [*sentences(objected), *table(system, case.coupling.method)]:
                 say(line)
@@ -421,7 +421,7 @@ class ActiveRun(Observer):
         account.spent["recording"] += clock.perf_counter() - begin
         if account.work.pairs:
             if account.ledger and self.parts[0].is_first:
-                account.ledger.add(together([part.balance for part in self.parts]))
+                account.ledger.add(total_balance([part.balance for part in self.parts]))
             part = self.parts.pop(0)
             account.work.add(part.end, part.exchange)
         monitored = {name: (row[index[port]], unit) for name, port, unit in self.monitors}
@@ -437,8 +437,8 @@ class ActiveRun(Observer):
         An output that is recorded is not finite at `time`, or the macro step created spurious
         energy. `accepted` takes over the exchange of its parts.
         """
-        if found := self.recorder.not_finite(time):
-            port, value = next(iter(found.items()))
+        if wrong := self.recorder.not_finite(time):
+            port, value = next(iter(wrong.items()))
             raise NotFinite(f"{port}: expected a finite output, got {value}")
         work, balances = self.account.work, self.account.ledger
         if not work.pairs:
@@ -449,7 +449,7 @@ class ActiveRun(Observer):
         balance = balances.balance(self.system.participants, exchange) if balances else None
         self.parts = [*parts, JudgedPart(is_first, end, exchange, balance)]
         if balances and is_last:
-            balances.check(together([part.balance for part in self.parts]))
+            balances.check(total_balance([part.balance for part in self.parts]))
 
     def write_checkpoint(self):
         """Write a checkpoint, if all participants can serialise their states."""
@@ -464,12 +464,12 @@ class ActiveRun(Observer):
         self.account.warnings = [(name, *warning) for name, warning in self.warnings()]
         with writing(Checkpoint.path(self.output)):
             Checkpoint(
-                self.tree,
-                self.system.folder,
-                freeze(self.stepper),
-                self.account,
-                self.fingerprints,
-                self.sources,
+                tree=self.tree,
+                folder=self.system.folder,
+                frozen=freeze(self.stepper),
+                account=self.account,
+                fmus=self.fingerprints,
+                sources=self.sources,
             ).write(self.output)
         end = clock.perf_counter()
         self.next_checkpoint = end + (end - begin) / CHECKPOINT_SHARE

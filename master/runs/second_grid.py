@@ -33,18 +33,18 @@ def coarser(tree: dict[str, Any]) -> dict[str, Any]:
     """
     made = deepcopy(tree)
     tables = made["participants"]
-    films, kept, ratio = players(tree, "lubrication"), kept_films(tree), ratio_of(tree)
+    films, unrefined, ratio = players(tree, "lubrication"), kept_films(tree), ratio_of(tree)
     lacking = [name for name in films if "grid" not in tables[name].get("build", {})]
     if lacking or not films:
         got = (
             f"none in {', '.join(lacking)}" if lacking else 'no participant with role "lubrication"'
         )
         raise BadInput(f"expected films with build.grid, got {got}")
-    if {*films} <= kept:
+    if {*films} <= unrefined:
         raise BadInput("expected a film on the grid of its body without build.mask, got none")
     for name, table in tables.items():
         build = table.get("build", {})
-        if "grid" in build and name not in kept:
+        if "grid" in build and name not in unrefined:
             if min(build["grid"]) < FEWEST:
                 raise BadInput(
                     f"{name}.build.grid: expected at least {FEWEST} cells in each direction, "
@@ -69,8 +69,8 @@ def _scale_bands(made, body, rows):
         film = tables.get(of_surface.get(Surface(body, f"{band['name']}.")), {})
         if "skirt_length" in film.get("parameters", {}):
             longer = (end - first) / fewer * rows / (last - below)
-            given = film["parameters"]
-            given["skirt_length"] = times(given["skirt_length"], longer)
+            parameters = film["parameters"]
+            parameters["skirt_length"] = times(parameters["skirt_length"], longer)
             film["build"]["grid"][1] = end - first
 
 
@@ -78,8 +78,8 @@ def fitting_rows(rows: int, edges: list[int]) -> int:
     """Return the rows of the second grid, 0.5 to 0.8 of `rows`, that are nearest to all edges."""
 
     def misfit(count):
-        apart = max(abs(edge * count / rows - round(edge * count / rows)) for edge in edges)
-        return round(apart, 3), abs(rows / count - COARSER)
+        error = max(abs(edge * count / rows - round(edge * count / rows)) for edge in edges)
+        return round(error, 3), abs(rows / count - COARSER)
 
     return min(range(ceil(rows / 2), int(rows / 1.25) + 1), key=misfit)
 

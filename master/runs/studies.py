@@ -107,12 +107,12 @@ def _study_row(study, case, row, results, reference):
         own = _curve(results, study.x, port)
         distances[port] = score(*own, *_curve(reference, study.x, port)).rms
     return StudyRow(
-        row["run"],
-        row["status"],
-        Cost(*(row[key] for key in Cost._fields)),
-        {key: row[key] for key in case.summary},
-        distances,
-        {key: value for key, value in row.items() if key.startswith("truncation_error")},
+        run=row["run"],
+        status=row["status"],
+        cost=Cost(*(row[key] for key in Cost._fields)),
+        summary={key: row[key] for key in case.summary},
+        distances=distances,
+        truncation={key: value for key, value in row.items() if key.startswith("truncation_error")},
     )
 
 
@@ -149,19 +149,19 @@ def limits(study, rows) -> dict[str, Limit]:
     [Roache1994]
     """
     labels, size = _sized(study)
-    found: dict[str, Limit] = {}
+    by_name: dict[str, Limit] = {}
     for name, order in observed_orders(study, rows).items():
         if name not in study.summary:
             continue
         values = [_done(rows)[label].summary[name] for label in labels]
         _, middle, fine = values
         if np.isnan(order):
-            found[name] = Limit(fine, SAFETY_WITHOUT * float(np.ptp(values)), order)
+            by_name[name] = Limit(fine, SAFETY_WITHOUT * float(np.ptp(values)), order)
         else:
             *_, before, last = size
             rest = (fine - middle) / ((before / last) ** order - 1.0)  # Eq. (W5)
-            found[name] = Limit(fine + rest, SAFETY * abs(rest), order)
-    return found
+            by_name[name] = Limit(fine + rest, SAFETY * abs(rest), order)
+    return by_name
 
 
 def observed_orders(study, rows) -> dict[str, float]:

@@ -128,8 +128,8 @@ def _check_values(path, changes, axes):
     def check(pair):
         axis, value = pair
         tree = read_tree(path, [*changes, *((key, value) for key in axis.keys)])
-        if found := faults_ahead(check_case(tree, path), Path(path).parent):
-            raise BadInput(found)
+        if faults := faults_ahead(check_case(tree, path), Path(path).parent):
+            raise BadInput(faults)
 
     ends = [
         (axis, value)
@@ -246,8 +246,8 @@ def _sweep(points, case_folder, folder, executor, watch, uncertainty):
     with writing(runs):
         runs.mkdir(parents=True, exist_ok=True)
     needed = (COMPUTED,) if uncertainty else ()
-    kept = {k: _done(runs / f"{point.name}.json", needed) for k, point in enumerate(points)}
-    rows = {k: row for k, row in kept.items() if row}
+    cached = {k: _done(runs / f"{point.name}.json", needed) for k, point in enumerate(points)}
+    rows = {k: row for k, row in cached.items() if row}
     twins: dict[str, list[int]] = {}  # points of one name are one run
     for k, point in enumerate(points):
         if k not in rows:

@@ -86,7 +86,7 @@ def state_uncertainty(
         own = measures(check_case(results.case, folder), results)
         for trees in attempts(tree, folder, results, Path(scratch)):
             try:
-                found = [
+                others = [
                     _measured(one, folder, Path(scratch) / f"{k}.h5", progress)
                     for k, one in enumerate(trees())
                 ]
@@ -98,12 +98,14 @@ def state_uncertainty(
             except (BadInput, Stopped) as why:
                 entries = {"uncertainty_reason": str(why).splitlines()[0]}
             else:
-                kept = kept_films(tree)
+                unrefined = kept_films(tree)
                 entries = {
-                    **differences(own, *found, safety=grid_safety(ratio_of(tree)), kept=kept)
+                    **differences(
+                        own, *others, safety=grid_safety(ratio_of(tree)), unrefined=unrefined
+                    )
                 }
-                if kept:
-                    entries["uncertainty_kept"] = ", ".join(sorted(kept))
+                if unrefined:
+                    entries["uncertainty_kept"] = ", ".join(sorted(unrefined))
                 break
     add_to_summary(output, entries)
     return entries
@@ -156,22 +158,22 @@ def longer_steps(tree: dict[str, Any], folder: Path) -> float:
 
 
 def differences(
-    own: Measures, *others: Measures, safety: float = GRID_SAFETY, kept: Container[str] = ()
+    own: Measures, *others: Measures, safety: float = GRID_SAFETY, unrefined: Container[str] = ()
 ) -> dict[str, float]:
     """Return the uncertainties of measures by Eq. (X48), as entries of the summary.
 
     `others` are the measures on the second grid, if there are two, and those with doubled steps.
-    The films `kept` have no second grid.
+    The films `unrefined` have no second grid.
     """
     entries: dict[str, float] = {}
     for one in own.estimated:
-        found = [table.of(one.key, one.owner) for table in others]
-        values = [one.value, *(other.value for other in found if other)]
+        counterparts = [table.of(one.key, one.owner) for table in others]
+        values = [one.value, *(other.value for other in counterparts if other)]
         if len(values) <= len(others):
             continue
-        if one.owner not in kept:
+        if one.owner not in unrefined:
             entries[entry_of("grid", one.name)] = safety * (one.value - values[1])  # Eq. (X48)
-        if one.owner in kept or len(others) > 1:
+        if one.owner in unrefined or len(others) > 1:
             entries[entry_of("step", one.name)] = STEP_SAFETY * (values[-2] - values[-1])
     return entries
 

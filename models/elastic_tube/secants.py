@@ -52,7 +52,7 @@ class Ageing:
 
     Parameters
     ----------
-    kept : int
+    capacity : int
         Pairs remembered.
     drift : float
         d.
@@ -62,7 +62,7 @@ class Ageing:
         Macro steps accepted, and pairs learnt.
     """
 
-    kept: int = 300
+    capacity: int = 300
     drift: float = 1e-4
     noise: float = 1e-6
     step: int = 0
@@ -78,16 +78,16 @@ class Ageing:
 
     def learn(self, change: np.ndarray, residual_change: np.ndarray) -> None:
         size = np.linalg.norm(residual_change)
-        kept = self.kept
+        capacity = self.capacity
         if size == 0.0:
             return
         if self.rings is None:
-            shape = (kept, change.size)
+            shape = (capacity, change.size)
             self.rings = Rings(
-                np.zeros(shape), np.zeros(shape), np.zeros((kept, kept)), np.zeros(kept)
+                np.zeros(shape), np.zeros(shape), np.zeros((capacity, capacity)), np.zeros(capacity)
             )
         rings = self.rings
-        k = self.count % kept
+        k = self.count % capacity
         self.count += 1
         rings.residual_changes[k] = residual_change / size
         rings.changes[k] = change / size
@@ -99,11 +99,11 @@ class Ageing:
         """Return the answer to the residual r and the unexplained rest: (-X a, r - V a)."""
         if self.rings is None:
             return np.zeros_like(r), r
-        known = slice(min(self.count, self.kept))
+        known = slice(min(self.count, self.capacity))
         v = self.rings.residual_changes[known]
         steps = self.rings.steps[known]
-        apart = np.abs(steps[:, None] - steps)
-        matrix = self.rings.products[known, known] * np.exp(-self.drift * apart)
+        age = np.abs(steps[:, None] - steps)
+        matrix = self.rings.products[known, known] * np.exp(-self.drift * age)
         matrix[np.diag_indices_from(matrix)] += self.noise
         aged = np.exp(-self.drift * (self.step - steps)) * (v @ r)
         a = np.linalg.solve(matrix, aged)  # Eq. (Q6)

@@ -134,14 +134,14 @@ def main(file: Path, case: str | None = None) -> None:
         block = load(ReducedBlock, files["block"])
         if not len(block.omega):
             raise BadInput("block.modes: expected a flexible block, got a rigid one")
-        found = spectrum(results, owner, radiation(block, load(Anatomy, files["block"])))
+        sound = spectrum(results, owner, radiation(block, load(Anatomy, files["block"])))
         figure, (over, by) = subplots(2, 1, figsize=(11, 7.5))
-        total = sum(found.power.values()), sum(found.mean.values())
-        sides = {side: (found.power[side], found.mean[side]) for side in found.power}
+        total = sum(sound.power.values()), sum(sound.mean.values())
+        sides = {side: (sound.power[side], sound.mean[side]) for side in sound.power}
         for side, (power, mean) in {**sides, "all sides": total}.items():
             print(f"{owner} {side:9}  {level(power.mean()):5.1f} dB re 1 pW, {power.mean():.3g} W")
-            over.plot(np.degrees(found.angle), level(power), label=side)
-            by.semilogx(found.frequency[1:], level(mean[1:]), label=side)
+            over.plot(np.degrees(sound.angle), level(power), label=side)
+            by.semilogx(sound.frequency[1:], level(mean[1:]), label=side)
         over.set(xlabel="crank angle [deg]", ylabel="radiated power [dB re 1 pW]")
         by.set(xlabel="frequency [Hz]", ylabel="mean power [dB re 1 pW]")
         add_legend(over)

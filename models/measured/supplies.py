@@ -17,12 +17,12 @@ SPEEDS = ("250", "650")
 
 def row(series: list[Figure]) -> str:
     """Return mean and rms of the differences, and the change of pressure with speed by load."""
-    apart = np.array([one.difference for one in series])
+    differences = np.array([one.difference for one in series])
     by_row = {(one.at["load [N]"], one.at["speed [rpm]"]): one.computed for one in series}
     trends = [
         by_row[load, SPEEDS[1]] / by_row[load, SPEEDS[0]] - 1 for load in ("150", "300", "450")
     ]
-    numbers = (apart.mean(), np.sqrt((apart**2).mean()), *trends)
+    numbers = (differences.mean(), np.sqrt((differences**2).mean()), *trends)
     return " | ".join(f"{number:+.0%}" for number in numbers)
 
 

@@ -102,16 +102,16 @@ def findings(results: Results) -> Findings:
     bend = deflection(results)
     lines = [int(bend.shape[1] * angle / 360) for angle in FACES.values()]
     return Findings(
-        results.series("ehd.minimum_film_thickness").values.min(),
-        results.series("ehd.maximum_pressure").values.max(),
-        np.abs(friction[up]).mean(),
-        at_whole_steps(results, "ehd.friction_power")[1:].mean(),
-        bend[:, lines].max(),
-        side_peaks(axis, results.dataset("ehd.pressure")[:]),
+        film=results.series("ehd.minimum_film_thickness").values.min(),
+        pressure=results.series("ehd.maximum_pressure").values.max(),
+        friction=np.abs(friction[up]).mean(),
+        power=at_whole_steps(results, "ehd.friction_power")[1:].mean(),
+        bend=bend[:, lines].max(),
+        peaks=side_peaks(axis, results.dataset("ehd.pressure")[:]),
     )
 
 
-def table(found: dict[str, Findings]) -> str:
+def table(findings: dict[str, Findings]) -> str:
     """Return the table of the findings in Markdown."""
     heads = [
         "run",
@@ -123,7 +123,7 @@ def table(found: dict[str, Findings]) -> str:
         *(f"{side}: peak beside the line [deg], above it, share of instants" for side in FACES),
     ]
     lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
-    for run, one in found.items():
+    for run, one in findings.items():
         peaks = [
             f"{peak.distance:.0f}, {peak.excess:.0%}, {peak.share:.0%} of {peak.instants}"
             for peak in one.peaks

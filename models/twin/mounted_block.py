@@ -70,7 +70,7 @@ class Engine:
         turning = (-(self.along @ y), self.along @ x, np.sum(moment))
         return np.array([np.sum(x), np.sum(y), 0.0, *turning])
 
-    def seen(self, acceleration, velocity) -> np.ndarray:
+    def at_cylinder(self, acceleration, velocity) -> np.ndarray:
         """Return the motion of each cylinder in the order of `MOTIONS`, (4, cylinders)."""
         cosine, sine = np.cos(self.bank), np.sin(self.bank)
         across, up, _, pitch, yaw, roll = acceleration
@@ -147,8 +147,8 @@ class MountedBlock(FieldSlave):
 
     def start(self, values):
         self.engine = engine = engine_of(values)
-        held = np.linalg.eigvalsh(engine.stiffness)
-        if 0.0 < held[-1] and held[0] <= 1e-12 * held[-1]:
+        eigenvalues = np.linalg.eigvalsh(engine.stiffness)
+        if 0.0 < eigenvalues[-1] and eigenvalues[0] <= 1e-12 * eigenvalues[-1]:
             raise BadInput(
                 [
                     "mount_x, .. stiffness_z: expected mounts that hold all six directions or "
@@ -165,8 +165,8 @@ class MountedBlock(FieldSlave):
         # Eq. (U20) at the end of the step
         velocity = state.velocity + step / 2 * state.acceleration
         position = state.position + step * state.velocity + step**2 / 4 * state.acceleration
-        lack = force - engine.damping @ velocity - engine.stiffness @ position
-        acceleration = np.linalg.solve(engine.effective(step), lack)
+        residual = force - engine.damping @ velocity - engine.stiffness @ position
+        acceleration = np.linalg.solve(engine.effective(step), residual)
         end = MountedBlockState(
             position + step**2 / 4 * acceleration,
             velocity + step / 2 * acceleration,
@@ -180,7 +180,7 @@ class MountedBlock(FieldSlave):
         change = self._force(seeds)
         step = self.state.step
         acceleration = np.linalg.solve(self.engine.effective(step), change)
-        return named(self.engine.seen(acceleration, step / 2 * acceleration))
+        return named(self.engine.at_cylinder(acceleration, step / 2 * acceleration))
 
     def _force(self, values):
         cylinders = cylinders_of(self.options)
@@ -194,7 +194,7 @@ class MountedBlock(FieldSlave):
     def _shown(self, before, now, step):
         engine = self.engine
         on_mounts = engine.stiffness @ now.position + engine.damping @ now.velocity
-        way, mean = now.position - before.position, (before.velocity + now.velocity) / 2
+        travel, mean = now.position - before.position, (before.velocity + now.velocity) / 2
         energies = [
             (
                 one.velocity @ engine.mass @ one.velocity,
@@ -203,7 +203,7 @@ class MountedBlock(FieldSlave):
             for one in (before, now)
         ]
         (kinetic_0, elastic_0), (kinetic_1, elastic_1) = energies
-        lost = way @ engine.damping @ mean
+        lost = travel @ engine.damping @ mean
         per_second = 1.0 / step if step > 0.0 else 0.0
         stored = (kinetic_1 - kinetic_0 + elastic_1 - elastic_0) / 2
         six = {
@@ -212,12 +212,12 @@ class MountedBlock(FieldSlave):
             ("mount_force", "mount_moment"): on_mounts,
         }
         return {
-            **named(engine.seen(now.acceleration, now.velocity)),
+            **named(engine.at_cylinder(now.acceleration, now.velocity)),
             **shaking(now.force),
             **{one: value for names, q in six.items() for one, value in by_axis(names, q).items()},
             "kinetic_energy": kinetic_1 / 2,
             "mount_power": now.velocity @ engine.damping @ now.velocity,
-            "power_error": per_second * (way @ (before.force + now.force) / 2 - stored - lost),
+            "power_error": per_second * (travel @ (before.force + now.force) / 2 - stored - lost),
         }
 
 

@@ -68,7 +68,7 @@ def test_no_film_depends_on_what_openings_show(options):
         film = pc.Film(cells.shape, open_cells=cells, **options)
         if seed > 0:
             other = np.random.default_rng(seed).choice(np.flatnonzero(~cells), cells.sum())
-            film.model._tables.beside[cells] = other
+            film.model._tables.nearest_cell[cells] = other
         rng = np.random.default_rng(0)
         turning = dict(circumferential_velocity=4.0) if film.model._bearing else {}
         outputs: dict[str, Any] = {}

@@ -7,9 +7,9 @@ yield, and phases.
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion, Mechanism
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.tests.verification.cases.bodies import rigid_body
 from piston_cosim.tests.verification.cases.tied import tied_forces, tied_pin
@@ -179,7 +179,7 @@ def test_force_and_motion_do_the_same_work():
     engine = BLOCK.engine_of(VALUES)
     rng = np.random.default_rng(3)
     forces, motion = rng.standard_normal((3, 2)), rng.standard_normal(6)
-    x, y, turn, _ = engine.seen(motion, motion)
+    x, y, turn, _ = engine.at_cylinder(motion, motion)
     power = np.sum(forces * [x, y, turn])
     assert engine.total(*forces) @ motion == pytest.approx(power, rel=1e-13)
 

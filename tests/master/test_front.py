@@ -38,7 +38,7 @@ HERE = Path(__file__).parent
 U = np.array([[0.5, -1.0, 1.5], [2.0, -2.5, 3.0]])
 PART = NativePart(
     entries=(),
-    given=lambda slave: memory_of({}, {"gain": 1, "state": U.size + 1, "faults": ROOM}),
+    setup=lambda slave: memory_of({}, {"gain": 1, "state": U.size + 1, "faults": ROOM}),
     faults=(
         "x0: expected at most 100 %d, got {a}",
         "starts below 0",
@@ -82,7 +82,7 @@ def fmu(request, version, library, tmp_path_factory):
     folder = tmp_path_factory.mktemp("toy")
     (folder / "build.json").write_text(json.dumps({}))
     slave = Toy(instance_name="toy", resources=folder)
-    inside = builder_native.Inside(slave, PART, PART.given(slave))
+    inside = builder_native.Inside(slave, PART, PART.setup(slave))
     members = builder_native._members(inside, {"linux64": library[version]}, version)
     members["resources/mark"] = os.urandom(8)  # not unpacked to the folder of another process
     builder.write_archive(members, folder / "front toy.fmu")

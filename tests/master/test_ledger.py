@@ -10,7 +10,13 @@ import numpy as np
 import pytest
 
 from piston_cosim.master.coupling import ledger as ledgers
-from piston_cosim.master.coupling.ledger import Balance, EnergyCreated, Ledger, ledger, together
+from piston_cosim.master.coupling.ledger import (
+    Balance,
+    EnergyCreated,
+    Ledger,
+    ledger,
+    total_balance,
+)
 from piston_cosim.master.coupling.stepping import StepFailed
 from piston_cosim.master.coupling.work import Exchange
 from piston_cosim.master.fmi.errors import BadInput
@@ -125,7 +131,7 @@ def test_parts_of_a_macro_step_are_balanced_together():
         Balance({"a": 0.4, "b": 0.3}, 4.0, 5.0, 0.1),
         Balance({"a": -0.3, "b": -0.1}, 6.0, 2.0, 0.05),
     ]
-    step = together(parts)
+    step = total_balance(parts)
     assert step.amounts == {"a": pytest.approx(0.1, rel=1e-14), "b": pytest.approx(0.2, rel=1e-14)}
     assert step[1:] == (10.0, 5.0, 0.1)
     one = Ledger([("a", "e"), ("b", "e")], [])

@@ -30,7 +30,7 @@ def test_sizes_by_hand():
     assert made["rod_inertia"] == pytest.approx(made["rod_mass"] * 0.3 * 0.7 * 0.143**2, rel=1e-12)
     assert made.skirt_radius == pytest.approx(0.043 - 21.5e-6, rel=1e-12)
     assert made.top == pytest.approx(sqrt(0.186**2 - 0.5e-3**2), rel=1e-14)
-    assert made.given == {"bore", "stroke", "rod", "speed", "pin_offset"}
+    assert made.stated == {"bore", "stroke", "rod", "speed", "pin_offset"}
 
 
 def test_gas_pressure_by_hand():

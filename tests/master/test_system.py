@@ -7,7 +7,7 @@ import pytest
 
 from piston_cosim.master.case.contract import starting_order
 from piston_cosim.master.case.schema import WireTable
-from piston_cosim.master.case.values import given_values
+from piston_cosim.master.case.values import parameter_values
 from piston_cosim.master.case.wires import wire_of
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -82,7 +82,7 @@ def test_wires_along_the_order_are_measured_only_if_asked(participants, order, p
 
 def test_parameter_faults_name_value_unit_and_range(participants):
     faults = []
-    values = given_values(
+    values = parameter_values(
         participants["body"],
         {"speed": "6000 rpm", "sped": "1 rad/s", "film_thickness": "1 m"},
         faults,

@@ -231,7 +231,7 @@ def test_differences_of_further_runs_by_hand():
     }
     found = further.differences(table(10.0), table(13.0))
     assert found == {"uncertainty_grid_slap_energy_j_bodies": -9.0}
-    found = further.differences(table(10.0), table(13.0), kept={"bodies"})
+    found = further.differences(table(10.0), table(13.0), unrefined={"bodies"})
     assert found == {"uncertainty_step_slap_energy_j_bodies": -3.75}
     found = further.differences(table(10.0), table(12.0), safety=1.5)
     assert found == {"uncertainty_grid_slap_energy_j_bodies": -3.0}

@@ -15,7 +15,7 @@ from piston_cosim.master.case.check import check
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.keys import case_keys, part_function
 from piston_cosim.master.case.reading import case_names, find_case, read_tree
-from piston_cosim.master.case.values import given_values, value_of
+from piston_cosim.master.case.values import parameter_values, value_of
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.fmi.fields import Field, UnitDefinition
 from piston_cosim.master.fmi.option_classes import ANY, EACH
@@ -56,7 +56,7 @@ def test_no_option_or_parameter_with_a_unit_is_a_bare_number(package, place):
     declared = part_function(package, "declared_variables")
     for value in BARE:
         faults = []
-        given_values(participant, dict.fromkeys(names, value), faults)
+        parameter_values(participant, dict.fromkeys(names, value), faults)
         assert len(faults) == len(names)
         for option in options:
             table = value

@@ -8,14 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import Carrier
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
+from piston_cosim.fmu_mfbd.mechanism.carrier import Carrier
 from piston_cosim.fmu_mfbd.mechanism.chain import Chain, Loads
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_derivative
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.mechanism.laws import add_laws
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.mechanism.solution import factorise_chain, substitute_chain
 from piston_cosim.master.fmi.block import flatten
 from piston_cosim.master.fmi.compiled import compiled
@@ -51,7 +51,7 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 
 PART = NativePart(
     entries=(advance,),
-    given=lambda slave: None,
+    setup=lambda slave: None,
     uncovered=lambda options: (),
     faults=(),
     refusal="",

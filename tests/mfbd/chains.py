@@ -4,9 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
-from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.force_elements.element import BODIES
 from piston_cosim.fmu_mfbd.mechanism.chain import (
     BLOCK,
@@ -16,6 +13,9 @@ from piston_cosim.fmu_mfbd.mechanism.chain import (
     Loads,
 )
 from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE, NO_SLIDES, CylinderLaws, cylinder_chain
+from piston_cosim.fmu_mfbd.mechanism.floating_frame import FlexibleBody
+from piston_cosim.fmu_mfbd.mechanism.modal_damping import ModalSprings
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.mechanism.solution import mode_coupling
 from piston_cosim.tests.verification.cases.links import (
     Element,
@@ -173,8 +173,8 @@ def loads_of(chain, load, now, films):
     The films are those of both bosses together, eye, and crank.
     """
     bosses, *others = ([*one.force, one.on_pin, one.on_shell] for one in films)
-    skirt = [load.lateral, load.axial + load.guided, load.moment, 0.0]
-    gas = [0.0, -load.guided, 0.0, 0.0]
+    skirt = [load.lateral, load.axial + load.axis_force, load.moment, 0.0]
+    gas = [0.0, -load.axis_force, 0.0, 0.0]
     wrench = np.array([bosses, np.zeros(4), *others, skirt, gas])
     return Loads(wrench, load.modal)
 

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from piston_cosim.fmu_mfbd.dynamics.bdf2 import (
+from piston_cosim.fmu_mfbd.dynamics.first_steps import FIRST_STEPS, first_steps
+from piston_cosim.fmu_mfbd.mechanism.bdf2 import (
     auxiliary_after,
     limit_plays,
     memory_of,
     predicted_of,
     reach_of,
 )
-from piston_cosim.fmu_mfbd.dynamics.first_steps import FIRST_STEPS, first_steps
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients
 from piston_cosim.fmu_mfbd.mechanism.cylinder import COORDINATES, PIN
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion, coefficients
 
 from .pin_models import STEP, Springs, crank_model
 

@@ -10,16 +10,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.instant import of_skirt
 from piston_cosim.fmu_mfbd.dynamics.motion_in_space import forces_on_block, imbalance, tangent
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.pin_shells import play_at, shapes_of
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import turned
 from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK, NONE
 from piston_cosim.fmu_mfbd.mechanism.cylinder import BODY, EYE, film_of
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.mechanism.inertia import coupling_of
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion
 
 from .pin_models import (
     MAIN,

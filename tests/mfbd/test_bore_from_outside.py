@@ -14,18 +14,18 @@ from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.bore_from_outside import (
     film_on_bore,
     gas_on_wall,
+    opening_changes,
     periodic_rule,
-    seen,
 )
 from piston_cosim.fmu_mfbd.dynamics.build_options import BoreGrid
-from piston_cosim.fmu_mfbd.dynamics.carrier import Carrier
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, ON_FLEXIBLE_BLOCK, Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
-from piston_cosim.fmu_mfbd.dynamics.skirt_films import forces_by_film, together
+from piston_cosim.fmu_mfbd.dynamics.skirt_films import forces_by_film, total_forces
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.fmu_mfbd.mechanism.carrier import Carrier
 from piston_cosim.fmu_mfbd.reduction.reduced_body import no_modes
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -77,14 +77,14 @@ def test_forces_on_the_bore_are_the_transpose_of_its_reading(reduced, shape):
     rng = np.random.default_rng(4)
     for guided in (0.0803, 0.1, 0.1137):
         field, force = rng.standard_normal(shape), rng.standard_normal(16 * 12)
-        there, _ = seen(model.outside, model.film_surfaces, guided, field)
+        there, _ = opening_changes(model.outside, model.film_surfaces, guided, field)
         here = film_on_bore(model.outside, model.film_surfaces, guided, force)
         size = np.abs(there * force).sum()
         assert np.sum(here * field) == pytest.approx(there @ force, abs=1e-14 * size)
         # a translation of the bore is seen as one, and force balances
         theta, _ = cell_centres(shape[0], 1, 0.0, 1.0)
         assert here.sum() == pytest.approx(force.sum(), abs=1e-12 * np.abs(force).sum())
-        even, _ = seen(model.outside, model.film_surfaces, guided, np.ones(shape))
+        even, _ = opening_changes(model.outside, model.film_surfaces, guided, np.ones(shape))
         np.testing.assert_allclose(even, 1.0, atol=1e-12)
 
 
@@ -136,16 +136,18 @@ def test_a_field_from_outside_is_the_bores_own_deflection(reduced):
             told["film_thickness"], out["film_thickness"], rtol=0, atol=1e-6 * bend
         )
         np.testing.assert_allclose(state.position[: 2 + k], begun.position[: 2 + k], rtol=1e-12)
-        guided = own._last.guided
+        guided = own._last.guide_height
         parts = forces_by_film(own.system, guided, NodalForces(push.ravel(), drag.ravel()))
-        of_film = together(parts).push[2 + len(own.system.gas_force) :]
+        of_film = total_forces(parts).push[2 + len(own.system.gas_force) :]
         of_gas = wall_forces(own.system.wall, guided, WallPressures(5e5, 0.0))
         by_grid = np.einsum("csk,cs->k", block.radial, told["force_on_bore"])
         wanted = of_film + of_gas
         np.testing.assert_allclose(by_grid, wanted, rtol=0, atol=1e-6 * np.abs(wanted).max())
         assert told["force_on_deck"] == pytest.approx(5e5 * np.pi * block.radius**2, rel=1e-14)
         # what the bore takes of the film's work, by the film's own cells
-        way, _ = seen(other.outside, other.film_surfaces, guided, field - before.bore_deflection)
+        way, _ = opening_changes(
+            other.outside, other.film_surfaces, guided, field - before.bore_deflection
+        )
         rest = STEP * told["received_power"] - way @ push.ravel()
         plain = other.advance(before._replace(bore_deflection=field), inputs, STEP)[1]
         assert rest == pytest.approx(STEP * plain["received_power"], rel=1e-9)

@@ -13,29 +13,29 @@ import pytest
 from piston_cosim.fmu_mfbd.dynamics import assembly, element_laws
 from piston_cosim.fmu_mfbd.dynamics.assembly import model_of
 from piston_cosim.fmu_mfbd.dynamics.bore_from_outside import periodic_rule
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
 from piston_cosim.fmu_mfbd.dynamics.instant import gas_on_modes, load_of, of_skirt
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, ON_FLEXIBLE_BLOCK, stacked
 from piston_cosim.fmu_mfbd.dynamics.parameters import PinParameters
-from piston_cosim.fmu_mfbd.dynamics.pin_films import film_pushes, held_forces
+from piston_cosim.fmu_mfbd.dynamics.pin_films import applied_forces, film_pushes
 from piston_cosim.fmu_mfbd.dynamics.skirt_films import (
     AxialMotion,
     forces_by_film,
     skirt_films,
-    together,
+    total_forces,
 )
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import height
 from piston_cosim.fmu_mfbd.dynamics.start_state import check_start, read_start
 from piston_cosim.fmu_mfbd.dynamics.step import others_at
 from piston_cosim.fmu_mfbd.dynamics.system import skirt_modes
 from piston_cosim.fmu_mfbd.force_elements.land_contact import LAND_CONTACT, LandParameters
 from piston_cosim.fmu_mfbd.geometry.pin import turned
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.mechanism.cylinder import piston_of
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
 from piston_cosim.fmu_mfbd.mechanism.inertia import frame_state
 from piston_cosim.fmu_mfbd.mechanism.loads import loads_at
 from piston_cosim.fmu_mfbd.mechanism.motion import chain_motion
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import height
 
 from .differences import products_by_differences, rough_change
 from .pin_models import (
@@ -68,11 +68,11 @@ from .test_crank_films import Points, second_derivative
 
 def forces_of_all(model, inputs):
     """Return the forces of all elements of a chain at the end of the last step."""
-    given, system, guided = stacked(inputs), model.system, model._last.guided
+    given, system, guided = stacked(inputs), model.system, model._last.guide_height
     others = others_at(model.model, given, model._last.crank)
-    skirt = together(forces_by_film(system, guided, given.skirt))
+    skirt = total_forces(forces_by_film(system, guided, given.skirt))
     load = load_of(system, skirt, others)
-    held = held_forces(system, load, given.pins, film_pushes(system, given.pins))
+    held = applied_forces(system, load, given.pins, film_pushes(system, given.pins))
     held.modal[: skirt_modes(system)] += gas_on_modes(system, guided, others)
     return held
 
@@ -80,8 +80,8 @@ def forces_of_all(model, inputs):
 def on_slopes(model, inputs):
     """Return the axial force of the films on the slopes of the bore [N]."""
     given, system, last = stacked(inputs), model.system, model._last
-    crank = AxialMotion(last.guided, 0.0)
-    parts = forces_by_film(system, last.guided, given.skirt)
+    crank = AxialMotion(last.guide_height, 0.0)
+    parts = forces_by_film(system, last.guide_height, given.skirt)
     way = of_skirt(system, last.now.position), of_skirt(system, last.now.velocity)
     return skirt_films(system, crank, given.skirt, parts, 0.0, *way).on_slopes
 
@@ -103,8 +103,8 @@ def test_a_block_around_a_floating_pin_yields_by_its_springs():
     state, _ = model.start(0.3, 0.0, 0.0, inputs)
     for _ in range(600):
         state, out = model.advance(state, inputs, 1e-6)
-    guided = model._last.guided
-    films = together(forces_by_film(model.system, guided, stacked(inputs).skirt))
+    guided = model._last.guide_height
+    films = total_forces(forces_by_film(model.system, guided, stacked(inputs).skirt))
     force = films.push[2 + len(model.system.gas_force) :]
     force = force + wall_forces(model.system.wall, guided, WallPressures(inputs.gas_pressure, 0.0))
     wanted = force / flexible_block().omega ** 2

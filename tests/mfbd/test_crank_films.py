@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces, PinResultants
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.options import Common
 
 from .chains import loads_of
@@ -128,7 +128,7 @@ def test_equations_of_motion_against_newtons_law_of_every_body(names):
         name: PinResultants(3e3 * rng.standard_normal(2), *rng.standard_normal(2))
         for name in ("bosses", "eye", *names)
     }
-    load = Load(lateral=110.0, axial=-9e3, moment=1.5, guided=800.0, modal=np.zeros(0))
+    load = Load(lateral=110.0, axial=-9e3, moment=1.5, axis_force=800.0, modal=np.zeros(0))
     loads = loads_of(model.chain, load, now, films.values())
     found = chain_forces(model.chain, loads, now, crank, FIXED)
 
@@ -158,7 +158,7 @@ def test_equations_of_motion_against_newtons_law_of_every_body(names):
         lever = np.array([[c, -s], [s, c]]) @ CENTRE
         of_A = by_place[0] - piston * np.array([-lever[1], lever[0]])
         given = of_A @ [load.lateral, load.axial]
-        given += piston * (load.moment + load.guided * now.position[0])
+        given += piston * (load.moment + load.axis_force * now.position[0])
         starts = {"bosses": 2, "eye": 4} | {name: 7 + 2 * j for j, name in enumerate(names)}
         shells = {"bosses": piston, "eye": rod, "big_end": rod, "main_bearing": 0.0}
         drive = float(k == len(now.position))

@@ -11,9 +11,9 @@ import pytest
 from pythonfmu.enums import Fmi2Status
 
 from piston_cosim.fmu_mfbd.build import prepare
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED
 from piston_cosim.fmu_mfbd.slave import Mfbd
 
 from .conftest import quiet, sheets

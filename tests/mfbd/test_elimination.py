@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.elimination import factorise, substitute
+from piston_cosim.fmu_mfbd.mechanism.elimination import factorise, substitute
 
 
 def test_two_equations_by_hand():

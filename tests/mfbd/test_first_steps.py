@@ -3,7 +3,7 @@
 import numpy as np
 
 from piston_cosim.fmu_mfbd.dynamics.first_steps import FIRST_STEPS, first_steps
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients, predict
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion, coefficients, predict
 
 END, TAU = 0.3, 1e-9  # where the way is compared; of the mass on its damper [s]
 

@@ -5,19 +5,19 @@ from functools import partial
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, Prediction
 from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
-from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiffness
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED
 from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK
 from piston_cosim.fmu_mfbd.mechanism.cylinder import motion_across
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_derivative
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion, Prediction
 from piston_cosim.fmu_mfbd.mechanism.loads import no_loads
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments
+from piston_cosim.fmu_mfbd.mechanism.pin_friction import PinFriction
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.mechanism.solution import (
     arrow_product,
     factorise_chain,

@@ -9,12 +9,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
 from piston_cosim.fmu_mfbd.dynamics.pin_shells import shell_modes_of
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.geometry.pin import (
     PARALLEL,
     PIN_SURFACES,
@@ -31,10 +27,14 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     turned,
     yielded,
 )
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED
 from piston_cosim.fmu_mfbd.mechanism.cylinder import COORDINATES, EYE, PIN, piston_of
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.mechanism.inertia import frame_state
 from piston_cosim.fmu_mfbd.mechanism.loads import no_loads
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import LATERAL, ROCKING, Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion
 
 from .chains import loads_of, matrix_of
 from .differences import products_by_differences, rough_change
@@ -129,7 +129,7 @@ def test_rows_of_shapes_and_shells_by_hand():
     now = Motion(*(1e-3 * rng.standard_normal((3, COORDINATES + 4))))
     rigid = Motion(*(one[:COORDINATES] for one in now))
     crank = CrankMotion(0.7, 100.0, 0.0)
-    load = Load(lateral=11.0, axial=-900.0, moment=1.5, guided=800.0, modal=np.zeros(0))
+    load = Load(lateral=11.0, axial=-900.0, moment=1.5, axis_force=800.0, modal=np.zeros(0))
     films = [PinResultants(rng.standard_normal(2), 0.2, -0.3) for _ in range(2)]
     push = np.array([5.0, -4.0, 5.0, -4.0])
     loads = loads_of(plain, load, now, films)

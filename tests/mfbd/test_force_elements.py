@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_FLEXIBLE_BLOCK, Inputs
 from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
@@ -17,6 +16,7 @@ from piston_cosim.fmu_mfbd.mechanism import laws
 from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK, Laws
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_derivative
 from piston_cosim.fmu_mfbd.mechanism.equations import forces_at
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.mechanism.laws import add_laws, law_power
 from piston_cosim.fmu_mfbd.mechanism.loads import loads_at, no_loads
 from piston_cosim.fmu_mfbd.mechanism.motion import chain_motion

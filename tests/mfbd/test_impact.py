@@ -15,9 +15,9 @@ from piston_cosim.fmu_mfbd.dynamics.account import account
 from piston_cosim.fmu_mfbd.dynamics.energy import (
     energy_ledger,
 )
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import Arrow
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients, predict
-from piston_cosim.fmu_mfbd.dynamics.impact import (
+from piston_cosim.fmu_mfbd.mechanism.floating_frame import Arrow
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion, coefficients, predict
+from piston_cosim.fmu_mfbd.mechanism.impact import (
     UNLIMITED,
     Inertia,
     limit_memory,

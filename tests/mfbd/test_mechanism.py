@@ -5,10 +5,8 @@ import os
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.force_elements.element import BODIES
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.mechanism.chain import IN_PARENT
 from piston_cosim.fmu_mfbd.mechanism.cylinder import (
     NO_SLIDES,
@@ -18,8 +16,10 @@ from piston_cosim.fmu_mfbd.mechanism.cylinder import (
 )
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_derivative
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces, forces_at
-from piston_cosim.fmu_mfbd.mechanism.loads import HeldForces, loads_at, no_loads
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.mechanism.loads import AppliedForces, loads_at, no_loads
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments, chain_motion
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.mechanism.solution import (
     arrow_product,
     factorise_chain,
@@ -83,11 +83,11 @@ def held(built, seed=2):
     force[built.gas], moment[built.gas] = (0.0, -GAS), 0.0
     slopes = 3e3 * rng.standard_normal(elements.modes.sum())
     on_shapes = 3e3 * rng.standard_normal((n, elements.shapes.max(), 2))
-    return HeldForces(force, moment, 100 * rng.standard_normal(modes), slopes, on_shapes)
+    return AppliedForces(force, moment, 100 * rng.standard_normal(modes), slopes, on_shapes)
 
 
 def loads(built, now, seed=2):
-    """Return the loads of `held` in a motion."""
+    """Return the loads of applied forces in a motion."""
     at = chain_motion(built.chain.joints, now, CRANK)
     return loads_at(built.chain, held(built, seed), at, now)
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
-from piston_cosim.fmu_mfbd.dynamics.bdf2 import STATIC
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs, MotionNotSolved
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import ROCKING
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import height
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces, generalised, window_at
+from piston_cosim.fmu_mfbd.mechanism.bdf2 import STATIC
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import ROCKING
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import height
 from piston_cosim.fmu_mfbd.reduction.reduced_body import no_modes_in_motion
 
 from .differences import products_by_differences, rough_change

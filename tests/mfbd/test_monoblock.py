@@ -17,10 +17,10 @@ from skfem import Basis, ElementTetP2, ElementVector, MeshTet2
 from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-from piston_cosim.fmu_mfbd.dynamics.bdf2 import STATIC
 from piston_cosim.fmu_mfbd.dynamics.monoblock import BlockParameters, Cylinder, MountedMonoblock
 from piston_cosim.fmu_mfbd.finite_elements.element import rigid_motions
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
+from piston_cosim.fmu_mfbd.mechanism.bdf2 import STATIC
 from piston_cosim.fmu_mfbd.monoblock.build import declared_variables, prepare
 from piston_cosim.fmu_mfbd.reduction.monoblock import (
     Plan,
@@ -220,7 +220,7 @@ def test_power_of_forces_at_their_places(whole):
     rng = np.random.default_rng(5)
     motion = rng.standard_normal(model.size)
     cylinders = pushes(3)
-    seen = model.seen(motion, motion, motion)
+    seen = model.at_cylinders(motion, motion, motion)
     body = whole.reduced
     power = sum(
         one.force_x * at.acceleration_x
@@ -266,7 +266,7 @@ def test_a_stiff_block_is_the_rigid_one(whole):
         stiff = mounted(dataclasses.replace(body, omega=np.sqrt(times) * body.omega))
         _, end = run(stiff, 30)
         apart.append(np.abs(end.position[:6] - state.position).max())
-        seen = stiff.seen(end.position, end.velocity, end.acceleration)
+        seen = stiff.at_cylinders(end.position, end.velocity, end.acceleration)
         bent.append(max(np.abs(one.bore_deflection).max() for one in seen))
     size = np.abs(state.position).max()
     assert apart[1] < 1e-7 * size
@@ -287,7 +287,7 @@ def test_change_with_forces_is_the_difference(whole, steps, static):
         Cylinder(*(a + b for a, b in zip(one, other))) for one, other in zip(base, direction)
     ]
     ends = [model.advance(before, some, STEP) for some in (base, changed)]
-    up, down = (model.seen(e.position, e.velocity, e.acceleration) for e in reversed(ends))
+    up, down = (model.at_cylinders(e.position, e.velocity, e.acceleration) for e in reversed(ends))
     for found, a, b in zip(model.change(ends[0], direction), up, down):
         for product, x, y in zip(found, a, b):
             wanted = np.asarray(x) - y

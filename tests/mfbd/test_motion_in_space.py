@@ -20,7 +20,6 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import (
     InSpace,
     PistonOptions,
 )
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.model_faults import faults
 from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
@@ -29,19 +28,20 @@ from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
     SpaceLoad,
     Spin,
     Stop,
-    held,
     imbalance,
     inertia,
     needed,
+    stop_force,
     tangent,
 )
 from piston_cosim.fmu_mfbd.dynamics.parameters import SpaceParameters
-from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
 from piston_cosim.fmu_mfbd.dynamics.skirt_films import window_of
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces
 from piston_cosim.fmu_mfbd.geometry.profile import BoreOrder, fourier_bore
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
+from piston_cosim.fmu_mfbd.mechanism.pin_friction import PinFriction
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.native import uncovered
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedPiston, load
 from piston_cosim.master.fmi.errors import BadInput
@@ -162,11 +162,11 @@ def test_forces_are_the_transpose_of_gap_and_sliding():
 def test_a_stop_by_hand():
     """3, 4 from the middle: 5 away, 2 beyond the play, along (0.6, 0.8); the damper always."""
     stop = Stop(3.0, 10.0, 0.5)
-    found = held(stop, np.array([3.0, 4.0]), np.array([1.0, -2.0]))
+    found = stop_force(stop, np.array([3.0, 4.0]), np.array([1.0, -2.0]))
     np.testing.assert_allclose(found, [12.5, 15.0])
-    within = held(stop, np.array([1.0, 2.0]), np.array([1.0, -2.0]))
+    within = stop_force(stop, np.array([1.0, 2.0]), np.array([1.0, -2.0]))
     np.testing.assert_allclose(within, [0.5, -1.0])
-    np.testing.assert_allclose(held(Stop(0.0, 4.0, 0.0), np.zeros(2), np.zeros(2)), 0.0)
+    np.testing.assert_allclose(stop_force(Stop(0.0, 4.0, 0.0), np.zeros(2), np.zeros(2)), 0.0)
 
 
 # ---- inertia
@@ -210,7 +210,7 @@ def test_an_instant_by_hand():
     np.testing.assert_allclose(lack.from_rod, [-4e3, 17e3], rtol=1e-12)
     wanted = [-17.0 + 20.0 - 8.0 - 0.5 + 2.0, 10e-6 * 3e3 - 0.25, -10e-6 * 4e3 + 20e-3 - 0.125]
     np.testing.assert_allclose(lack.residual[2:], wanted, rtol=1e-9)
-    np.testing.assert_allclose(lack.held, [-2.0, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(lack.out_of_plane, [-2.0, 0.0, 0.0], atol=1e-9)
 
 
 MIRRORED = (8 - np.arange(16)) % 16

@@ -12,15 +12,15 @@ import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.block_force import BlockForce, block_force
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Prediction
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.mechanism.cylinder import BODY
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Prediction
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion
 from piston_cosim.fmu_mfbd.mechanism.solution import solve_motion
 from piston_cosim.tests.verification.cases.bodies import rigid_body
 from piston_cosim.tests.verification.cases.tied import tied_forces, tied_pin
@@ -109,7 +109,7 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
     # what turns the crank itself is the drive's, and the chain leaves it to its caller
     needed[[2, 5]] -= UNBALANCE**2 / WEIGHT * (dw + MOVING.alpha)
     loaded = tied_forces(chain, load, now, crank, MOVING)
-    free = load._replace(lateral=0.0, axial=0.0, moment=0.0, guided=0.0)
+    free = load._replace(lateral=0.0, axial=0.0, moment=0.0, axis_force=0.0)
     bare = tied_forces(chain, free, now, crank, MOVING)
     size = np.abs(needed).max()  # differences of fourth order: 1e-9 of the largest
     np.testing.assert_allclose([*bare.residual, bare.torque], needed[:3], atol=1e-9 * size)

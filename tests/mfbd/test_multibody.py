@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import assemble, model_of
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import AxisParameters, PinParameters
 from piston_cosim.fmu_mfbd.dynamics.pin_shells import shell_modes_of
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces
 from piston_cosim.fmu_mfbd.geometry.pin_shapes import free_beam
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE
 from piston_cosim.fmu_mfbd.reduction.reduced_body import (
     ReducedBosses,

@@ -7,13 +7,6 @@ import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, bore_wall
 from piston_cosim.fmu_mfbd.dynamics.instant import gas_on_modes
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
-    CrankMotion,
-    Mechanism,
-    height,
-    moved_inertia,
-    side_force_demand,
-)
 from piston_cosim.fmu_mfbd.dynamics.system import NO_RINGS, OtherForces, RingForce
 from piston_cosim.fmu_mfbd.dynamics.tables import gas_pressure, gas_table, inline_numbers
 from piston_cosim.fmu_mfbd.finite_elements.element import (
@@ -24,6 +17,13 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
 )
 from piston_cosim.fmu_mfbd.geometry.film import bore_splines, on_rows, window_at
 from piston_cosim.fmu_mfbd.geometry.modal_field import read
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import (
+    CrankMotion,
+    Mechanism,
+    height,
+    moved_inertia,
+    side_force_demand,
+)
 from piston_cosim.fmu_mfbd.reduction.bases import expected_pressure
 from piston_cosim.tests.verification.cases.bodies import box_mesh
 

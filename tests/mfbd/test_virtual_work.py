@@ -11,12 +11,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.dynamics.model import Inputs
 from piston_cosim.fmu_mfbd.dynamics.pin_shells import shell_modes_of
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.force_elements.land_contact import LandParameters
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE
 
 from .multibody import QUARTER, Rubbing, Touching

@@ -5,9 +5,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion, coefficients
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism, height
 from piston_cosim.fmu_mfbd.geometry.film import (
     NodalForces,
     Skirt,
@@ -21,6 +18,9 @@ from piston_cosim.fmu_mfbd.geometry.film import (
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
 from piston_cosim.fmu_mfbd.geometry.modal_field import modal_field
 from piston_cosim.fmu_mfbd.geometry.profile import barrel, ovality
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion, coefficients
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion, Mechanism, height
 from piston_cosim.tests.verification.cases.bodies import rigid_body
 from piston_cosim.tests.verification.cases.tied import tied_forces, tied_pin
 

@@ -255,12 +255,12 @@ def converge(
         answer = evaluate(step, moved(layout, answer.at.used, change))
         history[count] = answer.measure
         count += 1
-    found = 0.0 <= answer.measure <= 1.0
+    is_converged = 0.0 <= answer.measure <= 1.0
     return Iterated(
         at=answer.at,
         history=history[:count],
         products=products,
         first=first,
         failure=failure,
-        is_converged=found,
+        is_converged=is_converged,
     )

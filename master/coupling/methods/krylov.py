@@ -202,21 +202,21 @@ def pairs_in_use(pairs: Pairs):
     in their place, a saved state is small.
     """
     gram = pairs.gram
-    kept = len(gram)
-    rows: Array = (int(pairs.oldest[0]) - 1 - np.arange(kept)) % kept
+    capacity = len(gram)
+    rows: Array = (int(pairs.oldest[0]) - 1 - np.arange(capacity)) % capacity
     known = 0
-    while known < kept and gram[rows[known], rows[known]] > 0.0:  # not if NaN
+    while known < capacity and gram[rows[known], rows[known]] > 0.0:  # not if NaN
         known += 1
     rows = rows[:known]
     factor = inverse_factor(gram[rows][:, rows] + NOISE * np.eye(known))
     flat = factor.reshape(factor.size)
     directions = known - NOISE * (flat @ flat)
     used = min(known, int(np.ceil(PER_DIRECTION * directions + MORE)))  # Eq. (Q11)
-    inverse = np.zeros((used, kept))
+    inverse = np.zeros((used, capacity))
     for i in range(used):
         put(inverse[i], rows, factor[i])
     for row in rows[used:]:
-        keep(gram[:, row], np.zeros(kept))
+        keep(gram[:, row], np.zeros(capacity))
         for table in (gram, pairs.images, pairs.differences):
             keep(table[row], np.zeros(len(table[row])))
     return inverse
@@ -303,7 +303,7 @@ def learn(pairs: Pairs, space: Space, count: int):
     Their inner products follow from those with the basis, because products are sums of the basis by
     Eq. (Q10).
     """
-    kept = len(pairs.gram)
+    capacity = len(pairs.gram)
     sizes = np.empty(count)
     full = 0
     for k in range(count):
@@ -315,13 +315,13 @@ def learn(pairs: Pairs, space: Space, count: int):
         if sizes[k] == 0.0:
             continue
         full -= 1
-        if full >= kept:
+        if full >= capacity:
             continue  # more than fit
         keep(pairs.images[row], space.products[k] / sizes[k])
         keep(pairs.differences[row], space.directions[k] / sizes[k] - pairs.images[row])
         keep(space.projected[: count + 1, row], space.hessenberg[k, : count + 1] / sizes[k])
         rows[k] = row
-        row = (row + 1) % kept
+        row = (row + 1) % capacity
     for k in range(count):
         if rows[k] >= 0:
             share = space.hessenberg[k, : count + 1] / sizes[k]
@@ -333,9 +333,9 @@ def learn(pairs: Pairs, space: Space, count: int):
 @compilable
 def no_pairs(unknowns: int):
     """Return room for the pairs of solves, none of which is in use."""
-    kept = min(KEPT, unknowns)
-    rows = np.zeros((2, kept, unknowns))
-    return Pairs(rows[0], rows[1], np.zeros((kept, kept)), np.zeros(1), np.zeros(1))
+    capacity = min(KEPT, unknowns)
+    rows = np.zeros((2, capacity, unknowns))
+    return Pairs(rows[0], rows[1], np.zeros((capacity, capacity)), np.zeros(1), np.zeros(1))
 
 
 @compilable

@@ -50,13 +50,13 @@ class Relaxation:
                 raise NotConverged(
                     f"no convergence in {self.max_iterations} iterations", interface, at, history
                 )
-            apart = at.outputs - at.used
-            r = (apart / interface.nominal)[feedback]
+            mismatch = at.outputs - at.used
+            r = (mismatch / interface.nominal)[feedback]
             if self.dynamic and previous is not None:
                 difference = r - previous
                 factor *= -(previous @ difference) / (difference @ difference)  # Eq. (Q3)
             previous = r
-            change = np.where(feedback, factor * apart, 0.0)  # Eq. (Q2)
+            change = np.where(feedback, factor * mismatch, 0.0)  # Eq. (Q2)
             at = macro_step.evaluate(moved(interface.layout, at.used, change))
             history.append(interface.measure(at.residual, at.outputs))
         return Solution(at.used, tuple(history))

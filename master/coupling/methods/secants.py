@@ -80,8 +80,8 @@ class LeastSquares:
 
     def update(self, r: np.ndarray, wires: list[slice]) -> tuple[np.ndarray, np.ndarray]:
         """Return the answer to the residual r and the unexplained rest: (X c, r + V c)."""
-        seen = _shares(r, wires)
-        shares = seen if self.shares is None else self.shares + seen
+        new_shares = _shares(r, wires)
+        shares = new_shares if self.shares is None else self.shares + new_shares
         self.shares = shares
         weight = 1.0 / np.sqrt(shares)
         columns = self.now + [pair for window in self.past for pair in window]

@@ -93,12 +93,12 @@ def main(case, traces, output, workers):
     """Run the case with every trace; print the table and draw curves.png."""
     output.mkdir(parents=True, exist_ok=True)
     files = [gas_file(trace, output) for trace in traces]
-    given = pc.open_case(case, SETTINGS)
-    rows = pc.sweep(given, {f"{GAS}.file": files}, output, workers)
+    opened = pc.open_case(case, SETTINGS)
+    rows = pc.sweep(opened, {f"{GAS}.file": files}, output, workers)
     if failed := [row["message"] for row in rows if row["status"] != "done"]:
         raise SystemExit("\n".join(failed))
-    found = [pc.open_results(output / row["results"]) for row in rows]
-    runs = dict(zip([trace.name for trace in traces], found))
+    results = [pc.open_results(output / row["results"]) for row in rows]
+    runs = dict(zip([trace.name for trace in traces], results))
     print(*table(runs), sep="\n")
     draw(runs, output / "curves.png")
     print(f"picture  {output / 'curves.png'}")
@@ -110,5 +110,5 @@ if __name__ == "__main__":
     parser.add_argument("traces", type=Path, nargs="+", help="angle [deg] and pressure [Pa]")
     parser.add_argument("--output", type=Path, default=Path("results/cylinder_pressure"))
     parser.add_argument("--workers", type=int, help="processes; default: all processors")
-    given = parser.parse_args()
-    main(given.case, given.traces, given.output, given.workers)
+    arguments = parser.parse_args()
+    main(arguments.case, arguments.traces, arguments.output, arguments.workers)

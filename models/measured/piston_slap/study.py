@@ -154,22 +154,22 @@ def run_designs(designs, output, workers):
     return rows
 
 
-def table(found):
+def table(studies):
     """Return lines of a table: effects [dB per standard deviation] with t values by study."""
-    heads = [text for study in found for text in (study, "t")]
+    heads = [text for study in studies for text in (study, "t")]
     lines = [f"{'factor':28s}" + "".join(f"{head:>11s}" for head in heads)]
     for name in [*FACTORS, PRODUCT]:
-        figures = [(one[name].slope, one[name].t) for one in found.values()]
+        figures = [(one[name].slope, one[name].t) for one in studies.values()]
         lines.append(f"{name:28s}" + "".join(f"{a:+11.2f}{ratio:+11.1f}" for a, ratio in figures))
     return lines
 
 
-def draw(found, path):
+def draw(studies, path):
     """Draw the effects of every factor with twice their standard errors."""
     figure, panel = plt.subplots(layout="constrained", figsize=(7, 4))
     names = [*FACTORS, PRODUCT]
-    for shift, (study, one) in enumerate(found.items()):
-        rows = np.arange(len(names)) + 0.27 * shift - 0.135 * (len(found) - 1)
+    for shift, (study, one) in enumerate(studies.items()):
+        rows = np.arange(len(names)) + 0.27 * shift - 0.135 * (len(studies) - 1)
         errors = [2.0 * one[name].error for name in names]
         panel.barh(rows, [one[name].slope for name in names], 0.25, xerr=errors, label=study)
     words = [re.sub("_(um|deg|mm)$", "", name).replace("_", " ") for name in names]
@@ -199,10 +199,10 @@ def main(path, output, workers):
     """Run the study; print effects and rank correlations, and draw effects.png."""
     designs, published = designs_of(path)
     measures = measured(run_designs(designs, output, workers), output)
-    found = {name: effects(designs, noise) for name, noise in measures.items()}
+    studies = {name: effects(designs, noise) for name, noise in measures.items()}
     if published is not None:
-        found["published"] = effects(designs, published)
-    print(*table(found), sep="\n")
+        studies["published"] = effects(designs, published)
+    print(*table(studies), sep="\n")
     if published is not None:
         for name, noise in measures.items():
             middle, low, high = correlation(noise, published)
@@ -210,7 +210,7 @@ def main(path, output, workers):
                 f"rank correlation of {name} with the published noise: {middle:.2f}, "
                 f"95 % interval {low:.2f} to {high:.2f}"
             )
-    draw(found, output / "effects.png")
+    draw(studies, output / "effects.png")
     print(f"picture  {output / 'effects.png'}")
 
 
@@ -219,5 +219,5 @@ if __name__ == "__main__":
     parser.add_argument("designs", type=Path, nargs="?", help="table of designs, CSV")
     parser.add_argument("--output", type=Path, default=Path("results/piston_slap"))
     parser.add_argument("--workers", type=int, help="processes; default: all processors")
-    given = parser.parse_args()
-    main(given.designs, given.output, given.workers)
+    arguments = parser.parse_args()
+    main(arguments.designs, arguments.output, arguments.workers)

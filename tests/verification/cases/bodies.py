@@ -10,24 +10,6 @@ from typing import Any
 import numpy as np
 import scipy.linalg as la
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import (
-    FlexibleBody,
-    Y,
-)
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import (
-    Coefficients,
-    Motion,
-    Prediction,
-    coefficients,
-    predict,
-)
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
-    CrankMotion,
-    Mechanism,
-    height,
-)
 from piston_cosim.fmu_mfbd.finite_elements.deck import tetrahedra, with_middles
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     consistent_mass,
@@ -38,8 +20,26 @@ from piston_cosim.fmu_mfbd.finite_elements.element import (
 from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
 from piston_cosim.fmu_mfbd.finite_elements.mesh import read_mesh
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED
 from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK
+from piston_cosim.fmu_mfbd.mechanism.floating_frame import (
+    FlexibleBody,
+    Y,
+)
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import (
+    Coefficients,
+    Motion,
+    Prediction,
+    coefficients,
+    predict,
+)
 from piston_cosim.fmu_mfbd.mechanism.loads import no_forces
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import LATERAL, Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import (
+    CrankMotion,
+    Mechanism,
+    height,
+)
 from piston_cosim.fmu_mfbd.mechanism.solution import solve_motion
 from piston_cosim.fmu_mfbd.reduction.bases import (
     Elastic,

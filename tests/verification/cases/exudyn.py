@@ -9,18 +9,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import (
+from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED
+from piston_cosim.fmu_mfbd.mechanism.floating_frame import FlexibleBody
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import (
     Coefficients,
     Motion,
     Prediction,
     coefficients,
     predict,
 )
-from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import LATERAL, ROCKING, Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import (
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import LATERAL, ROCKING, Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import (
     CrankMotion,
     Mechanism,
     height,
@@ -161,7 +161,7 @@ def _end_of_step(piston, time, c: Coefficients, predicted: Prediction, guess) ->
             lateral=-drive.lateral_stiffness * end[LATERAL],
             axial=-F,
             moment=-drive.turning_stiffness * end[ROCKING],
-            guided=0.0,  # in Exudyn the force stays on A
+            axis_force=0.0,  # in Exudyn the force stays on A
             modal=F * piston.gas_shape,
         )
         now = solve_motion(chain, forces_of(chain, load), predicted, a, by, crank, FIXED).now

@@ -5,10 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Coefficients
-from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
-from piston_cosim.fmu_mfbd.dynamics.pin_friction import PinFriction
 from piston_cosim.fmu_mfbd.mechanism.chain import (
     BLOCK,
     IN_BLOCK,
@@ -20,7 +16,11 @@ from piston_cosim.fmu_mfbd.mechanism.chain import (
     Laws,
     put_tips,
 )
+from piston_cosim.fmu_mfbd.mechanism.floating_frame import FlexibleBody
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Coefficients
+from piston_cosim.fmu_mfbd.mechanism.modal_damping import ModalSprings
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments
+from piston_cosim.fmu_mfbd.mechanism.pin_friction import PinFriction
 
 NO_SPRINGS = ModalSprings(np.zeros(0), np.zeros(0))
 NO_LAWS = Laws(np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros((0, 0)))
@@ -188,8 +188,10 @@ def chain_of(
         first_slide=np.cumsum([0, *(len(link.slides) for link in links)], dtype=np.int64),
         slide=whole(slides, "coordinate"),
         turns=whole(slides, "turns"),
-        way=real(slides, "way", (2,)),
-        held=np.array([parents.index(k) if one.swings else NONE for k, one in enumerate(links)]),
+        direction=real(slides, "way", (2,)),
+        tip_body=np.array(
+            [parents.index(k) if one.swings else NONE for k, one in enumerate(links)]
+        ),
         tip=np.zeros((len(links), coordinates)),
         **pairs,
         **{name: whole(links, name) for name in ("parent", "angle")},

@@ -2,18 +2,18 @@
 
 import numpy as np
 
-from piston_cosim.fmu_mfbd.dynamics.carrier import FIXED, Carrier
-from piston_cosim.fmu_mfbd.dynamics.floating_frame import FlexibleBody
-from piston_cosim.fmu_mfbd.dynamics.generalised_alpha import Motion
-from piston_cosim.fmu_mfbd.dynamics.modal_damping import ModalSprings
 from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
-from piston_cosim.fmu_mfbd.dynamics.piston_motion import Load
-from piston_cosim.fmu_mfbd.dynamics.slider_crank import CrankMotion, Mechanism
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.mechanism.chain import Chain, Loads
 from piston_cosim.fmu_mfbd.mechanism.cylinder import CylinderParts, cylinder_chain
 from piston_cosim.fmu_mfbd.mechanism.equations import ChainForces, chain_forces
+from piston_cosim.fmu_mfbd.mechanism.floating_frame import FlexibleBody
+from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion
 from piston_cosim.fmu_mfbd.mechanism.loads import loads_at
+from piston_cosim.fmu_mfbd.mechanism.modal_damping import ModalSprings
 from piston_cosim.fmu_mfbd.mechanism.motion import chain_motion
+from piston_cosim.fmu_mfbd.mechanism.piston_motion import Load
+from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion, Mechanism
 
 PISTON, SKIRT, GAS = 2, 0, 1
 """Number of the body, and numbers of the force elements on it."""

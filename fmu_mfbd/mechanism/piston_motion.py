@@ -21,9 +21,9 @@ class Load(NamedTuple):
         Resultants along x and y, pin excepted [N].
     moment : float
         About A where x_A = 0, about +z [N m].
-    guided : float
+    axis_force : float
         Force along -y on the bore's axis, `axial` holds it too [N]: away from x_A = 0 its moment
-        about A is larger by guided x_A.
+        about A is larger by axis_force x_A.
     modal : ndarray, shape (k,)
         [kg^-1/2 N]
     """
@@ -31,5 +31,5 @@ class Load(NamedTuple):
     lateral: float
     axial: float
     moment: float
-    guided: float
+    axis_force: float
     modal: Vector

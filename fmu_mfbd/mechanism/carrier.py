@@ -39,6 +39,9 @@ def transport(carrier: Carrier, x: float, y: float, vx: float, vy: float) -> tup
     The point is at (x, y) from the crank axis and moves in the block at (vx, vy).
 
     Eq. (K14):  a_O + alpha Z r - w^2 r + 2 w Z v        Z = [0, -1; 1, 0]
+
+    >>> transport(FIXED._replace(w=10.0), 0.1, 0.0, 0.0, 0.0)
+    (-10.0, 0.0)
     """
     w = carrier.w
     # Eq. (K14)

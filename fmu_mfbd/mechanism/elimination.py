@@ -61,9 +61,9 @@ def factorise(matrix: np.ndarray) -> LUFactors:
         order[k] = pivot
         if pivot != k:
             for j in range(n):
-                kept = both[k, j]
+                value = both[k, j]
                 both[k, j] = both[pivot, j]
-                both[pivot, j] = kept
+                both[pivot, j] = value
         for i in range(k + 1, n):
             share = both[i, k] / both[k, k]
             both[i, k] = share
@@ -93,9 +93,9 @@ def substitute(factors: LUFactors, right: np.ndarray) -> np.ndarray:
     x = right.copy()
     for k in range(n):
         pivot = int(factors.order[k])
-        kept = x[k]
+        value = x[k]
         x[k] = x[pivot]
-        x[pivot] = kept
+        x[pivot] = value
     for i in range(n):
         total = x[i]
         for j in range(i):

@@ -120,10 +120,10 @@ def longest_step(
     if step == 0.0:
         return UNLIMITED
     jump = np.empty(RIGID)
-    way = np.empty(RIGID)
+    travel = np.empty(RIGID)
     for k in range(RIGID):
         jump[k] = end.acceleration[k] - before.acceleration[k]
-        way[k] = end.position[k] - before.position[k]
+        travel[k] = end.position[k] - before.position[k]
     size = np.sqrt(inertia.mass) * resolution
     left = inertia_product(inertia, end.velocity, end.velocity)
     fast = IMPACT * np.sqrt(max(inertia_product(inertia, before.velocity, before.velocity), left))
@@ -132,7 +132,7 @@ def longest_step(
     if (
         step * change > max(fast, step * np.sqrt(steady), size / step)
         and inertia_product(inertia, before.velocity, end.acceleration) < 0.0
-        and inertia_product(inertia, before.velocity, way) > 0.0
+        and inertia_product(inertia, before.velocity, travel) > 0.0
     ):
         return fast / change  # Eq. (N12)
     known = max(

@@ -105,6 +105,11 @@ def height(mechanism: Mechanism, lateral: float, crank_angle: float) -> Height:
     Returns
     -------
     Height
+
+    >>> rigid = Mechanism(crank_radius=0.04, rod_length=0.14, offset=0.0, rod_mass=0.5,
+    ...     rod_inertia=1e-3, rod_centre=0.3, pin_mass=0.1)
+    >>> print(f"{height(rigid, 0.0, 0.0).height:.2f} m, {height(rigid, 0.0, np.pi).height:.2f} m")
+    0.18 m, 0.10 m
     """
     r = mechanism.crank_radius
     xi = mechanism.offset + lateral + r * np.sin(crank_angle)

@@ -13,9 +13,9 @@ ed., Springer 1993, section III.5 (variable-step BDF and their stability).
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..mechanism.motion import Increments
 from .generalised_alpha import Coefficients, Motion, Prediction, predict
 from .impact import Inertia, limit_memory
+from .motion import Increments
 
 BY_ALPHA, BY_BDF2, STATIC = 0.0, 1.0, 2.0
 """Time integrators of a coordinate: generalised alpha, BDF2, or a mode that follows its load."""
