@@ -1,0 +1,130 @@
+"""Sensitivities: changes of the figures of a run with variables of its case, by differences of runs.
+
+Eq. (O3):  change = (f(+1) - f(-1)) / 2,   spread = |f(+1) - 2 f(0) + f(-1)| / 2
+
+f is a figure of the last period, +1 and -1 stand for a step of one variable in both directions.
+The change is that of a step. The spread is half of the difference of both one-sided changes: what
+curvature over the step, and scatter of runs, leave open. A change below its spread is not resolved.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..fmi.errors import BadInput, unknown
+from ..results.words import ENDINGS
+from . import sweep as sweeps
+from .design_space import Changes, DesignSpace
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Change of a figure with a step of a variable, Eq. (O3), in the SI unit of the figure."""
+
+    figure: str
+    variable: str
+    value: float
+    change: float
+    spread: float
+
+    @property
+    def is_resolved(self) -> bool:
+        """Whether the change is larger than its spread."""
+        return abs(self.change) > self.spread
+
+
+@dataclass(frozen=True)
+class Runs:
+    """How designs are run.
+
+    path : of the case; changes : of the case in all runs; space : variables; folder : of the rows;
+    executor : as for `sweep.sweep`; watch : called with number done, number of all, and the row;
+    keeps : whether results files remain.
+    """
+
+    path: Path
+    changes: Changes
+    space: DesignSpace
+    folder: Path
+    executor: Any
+    watch: Callable[[int, int, Row], object] = lambda done, total, row: None
+    keeps: bool = True
+
+    def rows(self, designs: Sequence[Sequence[float]], more: Sequence[Changes] = ([],)) -> list[Row]:
+        """Return the rows of designs, for each design those of all further changes `more`.
+
+        Finished designs are read from the folder.
+        """
+        runs = [
+            (dict(zip(self.space.names, x)), [*self.changes, *added, *self.space.changes(x)])
+            for x in designs
+            for added in more
+        ]
+        points = sweeps.resolved(self.path, runs)
+        sweeps.build_all(sweeps.unfinished(points, self.folder), self.path.parent, lambda text: None)
+
+        def keep(rows, ended):
+            self.watch(len(rows), len(points), rows[ended[0]])
+            for k in ended if not self.keeps else ():
+                (self.folder / "runs" / f"{points[k].name}.h5").unlink(missing_ok=True)
+
+        runs_folder = self.folder / "runs"
+        return sweeps.rows_of(points, self.path.parent, runs_folder, self.executor, keep)
+
+
+def figures_of(row: Row) -> list[str]:
+    """Return the figures of a row that have a unit and an uncertainty, or are those of a design."""
+    return [
+        name
+        for name, value in row.items()
+        if isinstance(value, (int, float)) and np.isfinite(value)
+        if f"{name}_uncertainty" in row
+    ]
+
+
+def unit_of(figure: str) -> str:
+    """Return the SI unit at the end of the name of a figure, "1" without one."""
+    ending = next((one for one in ENDINGS if figure.endswith(one)), "")
+    return {"m³/s": "m3/s", "N m": "N.m"}.get(ENDINGS.get(ending, "1"), ENDINGS.get(ending, "1"))
+
+
+def sensitivities(runs: Runs) -> tuple[list[Sensitivity], list[Row]]:
+    """Return the sensitivities of all figures, and the rows of designs that failed.
+
+    Raises
+    ------
+    BadInput
+        With the faults of the case, and if the case itself fails.
+    """
+    count = len(runs.space.names)
+    steps = np.eye(count)
+    base, *others = runs.rows([np.zeros(count), *(sign * step for step in steps for sign in (1.0, -1.0))])
+    if base["status"] != "done":
+        raise BadInput(f"the case itself: {base['message']}")
+    failed = [row for row in others if row["status"] != "done"]
+    found = []
+    for k, name in enumerate(runs.space.names):
+        upper, lower = others[2 * k], others[2 * k + 1]
+        for figure in figures_of(base) if upper["status"] == lower["status"] == "done" else ():
+            if figure in upper and figure in lower:
+                values = float(base[figure]), float(upper[figure]), float(lower[figure])
+                found.append(_sensitivity(figure, name, *values))
+    return found, failed
+
+
+def _sensitivity(figure, variable, value, upper, lower):
+    change = 0.5 * (upper - lower)  # Eq. (O3)
+    return Sensitivity(figure, variable, value, change, 0.5 * abs(upper - 2.0 * value + lower))
+
+
+def known_figure(name: str, rows: Sequence[Row], option: str) -> str:
+    """Return the name of a figure that all rows have; raise `BadInput` for another one."""
+    known = [key for key in rows[0] if all(isinstance(r.get(key), float) for r in rows)]
+    if name not in known:
+        raise BadInput(f"{option}: {unknown('figure', name, known)}")
+    return name
