@@ -33,6 +33,8 @@ COMMANDS = {
     "list": "List the shipped cases.",
     "compare": "Compare the main results of two runs.",
     "sweep": "Run a case over values of its keys.",
+    "sensitivities": "Compute how the main results change with numbers and profile.",
+    "optimise": "Find the best numbers and profile of a case within limits.",
     "study": "Run a study of a case.",
     "reduce": "Reduce flexible bodies and list their modes.",
     "verify": "Compute the verification figures next to their references.",

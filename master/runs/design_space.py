@@ -2,12 +2,12 @@
 
 A design is a vector x of shares, one for each variable. At x = 0 it is the case itself.
 
-Eq. (O1):  number = its value + x times its unit of the variable
-Eq. (O2):  profile(theta, y) = sum of x_k a s_k(theta, y),   s = B_m(y) cos(q (theta - 90 deg)) - mean
+Eq. (O1):  number = its value in the case + x times its scale
+Eq. (O2):  profile(theta, y) = sum of x_k a s_k,   s_k = B_m(y) cos(q (theta - 90 deg)) - its mean
 
-a is the amplitude of the shapes, B_m a cubic B-spline between both ends of the skirt, theta the
-angle from the pin axis towards the thrust side. The mean over the skirt is zero, so no shape changes
-the mean clearance. All shapes are mirror images of themselves about the thrust plane. Positive
+a is the amplitude of the shapes and B_m a cubic B-spline between both ends of the skirt. theta is
+the angle from the pin axis towards the thrust side. The mean over the skirt is zero, so no shape
+changes the mean clearance. All shapes are their own mirror images in the thrust plane. Positive
 values are further from the bore, as in a table of `profiles`.
 """
 
@@ -43,7 +43,8 @@ class Number:
     """Number of a case that is varied, Eq. (O1).
 
     name : as the user wrote it; keys : dotted paths that have the value; value, scale : at x = 0,
-    and for a share of 1, in `unit`, "" for a number without one.
+    and for a share of 1, in `unit`, "" for a number without one; step_text : `scale` as the user
+    wrote it.
     """
 
     name: str
@@ -51,16 +52,12 @@ class Number:
     value: float
     scale: float
     unit: str
+    step_text: str = ""
 
     def changes(self, share: float) -> Changes:
         """Return the changes of the case for a share."""
         number = float(f"{self.value + share * self.scale:.12g}")  # Eq. (O1)
         return [(key, f"{number!r} {self.unit}" if self.unit else number) for key in self.keys]
-
-    @property
-    def step_text(self) -> str:
-        """The change for a share of 1, with its unit."""
-        return f"{self.scale:+.6g} {self.unit}".strip()
 
 
 @dataclass(frozen=True)
@@ -142,7 +139,9 @@ def number_of(tree: dict[str, Any], text: str, folder: Path, option: str) -> Num
         raise BadInput(
             f"{option} {name.strip()}: expected a step, because the value is zero; write KEY=STEP"
         )
-    return Number(name.strip(), keys, known.magnitude, abs(scale), _unit_of(known))
+    unit = _unit_of(known)
+    text = step.strip() if sign else f"{scale:.3g} {unit}".strip()
+    return Number(name.strip(), keys, known.magnitude, abs(scale), unit, f"+{text.lstrip('+-')}")
 
 
 def keys_of(tree: dict[str, Any], name: str, folder: Path, option: str) -> tuple[str, ...]:
@@ -153,7 +152,9 @@ def keys_of(tree: dict[str, Any], name: str, folder: Path, option: str) -> tuple
         raise BadInput([f"{option} {line}" for line in error.faults]) from None
 
 
-def range_of(tree: dict[str, Any], text: str, folder: Path, option: str) -> tuple[Number, float, float]:
+def range_of(
+    tree: dict[str, Any], text: str, folder: Path, option: str
+) -> tuple[Number, float, float]:
     """Return the number of "KEY=LOW..HIGH" whose share is 1 at half of the range, and its bounds.
 
     Raises
@@ -204,7 +205,9 @@ def _value_of(tree: dict[str, Any], key: str, folder: Path, option: str) -> Any:
         return quantity(str(value))
     except ValueError:
         shown = "nothing" if value is None else repr(value)
-        raise BadInput(f"{option} {key}: expected a key whose value is a number, got {shown}") from None
+        raise BadInput(
+            f"{option} {key}: expected a key whose value is a number, got {shown}"
+        ) from None
 
 
 def _default(key: Key) -> str:
@@ -212,7 +215,9 @@ def _default(key: Key) -> str:
     return f"{key.default} {key.unit}" if key.default in ("0", "0.0") else key.default
 
 
-def shapes_of(case: Case, tree: dict[str, Any], size: str, amplitude: float, folder: Path) -> Shapes:
+def shapes_of(
+    case: Case, tree: dict[str, Any], size: str, amplitude: float, folder: Path
+) -> Shapes:
     """Return the shapes of the skirt of a case.
 
     Parameters
@@ -233,7 +238,9 @@ def shapes_of(case: Case, tree: dict[str, Any], size: str, amplitude: float, fol
         Without one piston and one film, without axes with heights, or for another size.
     """
     films, bodies = (players(tree, role) for role in ("lubrication", "bodies"))
-    piston = tree["participants"].get(bodies[0], {}).get("build", {}).get("piston") if bodies else None
+    piston = (
+        tree["participants"].get(bodies[0], {}).get("build", {}).get("piston") if bodies else None
+    )
     if len(films) != 1 or not isinstance(piston, dict):
         raise BadInput("--shapes: expected a case with one film and a table build.piston")
     axis = case.axes_of(f"{films[0]}.pressure").second

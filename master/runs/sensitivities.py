@@ -1,4 +1,4 @@
-"""Sensitivities: changes of the figures of a run with variables of its case, by differences of runs.
+"""Sensitivities: changes of the figures of a run with variables of its case, by differences.
 
 Eq. (O3):  change = (f(+1) - f(-1)) / 2,   spread = |f(+1) - 2 f(0) + f(-1)| / 2
 
@@ -14,10 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from ..fmi.errors import BadInput, unknown
-from ..results.words import ENDINGS
+from ..fmi.errors import BadInput
 from . import sweep as sweeps
-from .design_space import Changes, DesignSpace
+from .design_space import Changes, DesignSpace, Shapes
 
 Row = dict[str, Any]
 
@@ -55,7 +54,9 @@ class Runs:
     watch: Callable[[int, int, Row], object] = lambda done, total, row: None
     keeps: bool = True
 
-    def rows(self, designs: Sequence[Sequence[float]], more: Sequence[Changes] = ([],)) -> list[Row]:
+    def rows(
+        self, designs: Sequence[Sequence[float]], more: Sequence[Changes] = ([],)
+    ) -> list[Row]:
         """Return the rows of designs, for each design those of all further changes `more`.
 
         Finished designs are read from the folder.
@@ -66,7 +67,9 @@ class Runs:
             for added in more
         ]
         points = sweeps.resolved(self.path, runs)
-        sweeps.build_all(sweeps.unfinished(points, self.folder), self.path.parent, lambda text: None)
+        sweeps.build_all(
+            sweeps.unfinished(points, self.folder), self.path.parent, lambda text: None
+        )
 
         def keep(rows, ended):
             self.watch(len(rows), len(points), rows[ended[0]])
@@ -77,24 +80,8 @@ class Runs:
         return sweeps.rows_of(points, self.path.parent, runs_folder, self.executor, keep)
 
 
-def figures_of(row: Row) -> list[str]:
-    """Return the figures of a row that have a unit and an uncertainty, or are those of a design."""
-    return [
-        name
-        for name, value in row.items()
-        if isinstance(value, (int, float)) and np.isfinite(value)
-        if f"{name}_uncertainty" in row
-    ]
-
-
-def unit_of(figure: str) -> str:
-    """Return the SI unit at the end of the name of a figure, "1" without one."""
-    ending = next((one for one in ENDINGS if figure.endswith(one)), "")
-    return {"m³/s": "m3/s", "N m": "N.m"}.get(ENDINGS.get(ending, "1"), ENDINGS.get(ending, "1"))
-
-
-def sensitivities(runs: Runs) -> tuple[list[Sensitivity], list[Row]]:
-    """Return the sensitivities of all figures, and the rows of designs that failed.
+def sensitivities(runs: Runs, figures: Sequence[str]) -> tuple[list[Sensitivity], list[Row]]:
+    """Return the sensitivities of figures that the runs have, and the rows of designs that failed.
 
     Raises
     ------
@@ -103,16 +90,18 @@ def sensitivities(runs: Runs) -> tuple[list[Sensitivity], list[Row]]:
     """
     count = len(runs.space.names)
     steps = np.eye(count)
-    base, *others = runs.rows([np.zeros(count), *(sign * step for step in steps for sign in (1.0, -1.0))])
+    base, *others = runs.rows(
+        [np.zeros(count), *(sign * step for step in steps for sign in (1.0, -1.0))]
+    )
     if base["status"] != "done":
         raise BadInput(f"the case itself: {base['message']}")
     failed = [row for row in others if row["status"] != "done"]
     found = []
     for k, name in enumerate(runs.space.names):
         upper, lower = others[2 * k], others[2 * k + 1]
-        for figure in figures_of(base) if upper["status"] == lower["status"] == "done" else ():
-            if figure in upper and figure in lower:
-                values = float(base[figure]), float(upper[figure]), float(lower[figure])
+        for figure in figures:
+            values = [row.get(figure) for row in (base, upper, lower)]
+            if all(isinstance(value, float) for value in values):
                 found.append(_sensitivity(figure, name, *values))
     return found, failed
 
@@ -122,9 +111,26 @@ def _sensitivity(figure, variable, value, upper, lower):
     return Sensitivity(figure, variable, value, change, 0.5 * abs(upper - 2.0 * value + lower))
 
 
-def known_figure(name: str, rows: Sequence[Row], option: str) -> str:
-    """Return the name of a figure that all rows have; raise `BadInput` for another one."""
-    known = [key for key in rows[0] if all(isinstance(r.get(key), float) for r in rows)]
-    if name not in known:
-        raise BadInput(f"{option}: {unknown('figure', name, known)}")
-    return name
+def map_of(shapes: Shapes, slopes: Sequence[float]) -> np.ndarray:
+    """Return the map whose mean product with each shape is the slope of a figure with it.
+
+    Eq. (O5):  g(theta, y) = sum of c_k s_k,   mean(g s_k) = df/dx_k / a
+
+    Among all maps with these products it has the smallest rms. A profile p changes the figure by
+    mean(g p), so a part of the skirt of share A with the height p by A g p.
+
+    Parameters
+    ----------
+    shapes : Shapes
+    slopes : sequence of float
+        df/dx_k / a, the unit of the figure per m.
+
+    Returns
+    -------
+    ndarray, shape (heights, angles)
+        The unit of the figure per m.
+    """
+    values = shapes.values.reshape(len(shapes.names), -1)
+    products = values @ values.T / values.shape[1]
+    weights = np.linalg.solve(products, np.asarray(slopes))
+    return np.tensordot(weights, shapes.values, 1)  # Eq. (O5)

@@ -1,0 +1,228 @@
+"""`piston-cosim optimise`."""
+
+import csv
+from contextlib import ExitStack
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from ..case.checked import check_case
+from ..engine.measures import directions
+from ..fmi.cache import passing_fmus, write_whole
+from ..fmi.errors import BadInput, for_all, unknown
+from ..fmi.quantities import to_si
+from ..results.words import ENDINGS, entry_in_words
+from ..runs.design_space import ANGLES, DesignSpace, range_of, shapes_of
+from ..runs.optimisation import TOLERANCE, Limit, Search, Task, optimise
+from ..runs.pool import LocalPool
+from ..runs.sensitivities import Runs, map_of
+from .common import (
+    Changes,
+    Only,
+    OutputFolder,
+    Whole,
+    Workers,
+    changed_case,
+    length_of,
+    parse_change,
+    print_compared,
+    say,
+    tell,
+)
+from .usage import positive
+
+LIMIT_FORMS = "FIGURE, FIGURE<=VALUE or FIGURE>=VALUE"
+
+
+def command(
+    case: str,
+    goal: str,
+    /,
+    *,
+    vary: list[str] = [],
+    shapes: str | None = None,
+    amplitude: str = "6 um",
+    limit: list[str] = [],
+    at: list[str] = [],
+    gradients: Annotated[Whole, Parameter(validator=positive)] = 15,
+    set_: Changes = [],
+    only: Only = None,
+    output: OutputFolder | None = None,
+    workers: Workers | None = None,
+):
+    """Find the best numbers and profile of a case within limits.
+
+    The goal is a figure of the table of a sweep. Its direction is the one that a design wants. With
+    several operating points, the goal is the mean of its ratios to those of the case, and every
+    limit holds at each point. Each gradient takes a run for every variable and point, all at the
+    same time. The command compares the result with the case at every point, and writes variables,
+    profile, pictures and results files. A repeated call reuses finished runs.
+
+    Example: piston-cosim optimise numerical_example mean_friction_power_w --shapes 5x3
+    --limit minimum_film_thickness_m --limit "maximum_pressure_pa<=4 MPa"
+
+    Parameters
+    ----------
+    case
+        Name of a case, its folder or its file. `piston-cosim list` prints the names.
+    goal
+        Figure to improve, such as mean_friction_power_w.
+    vary
+        KEY=LOW..HIGH, repeatable: number to vary. Keys joined by + have one value.
+    shapes
+        Shapes of the profile of the skirt, HEIGHTSxORDERS: number of B-splines in height and of
+        orders around, e.g. 5x3. They keep the mean clearance.
+    amplitude
+        Largest amplitude of each shape.
+    limit
+        FIGURE (not worse than in the case), FIGURE<=VALUE or FIGURE>=VALUE, repeatable.
+    at
+        Operating point: changes KEY=VALUE, separated by commas; repeatable. Default: the case.
+    gradients
+        Maximum number of gradients.
+    set_
+        Change of the case in all runs, KEY=VALUE; repeatable.
+    only
+        Variant of the case to run. Default: the case itself.
+    output
+        Folder. Default: results/optimise_CASE. Finished runs in it are reused.
+    workers
+        Number of processes. Default: the number of processors.
+    """
+    path, tree, changes, folder = changed_case(case, set_, only, output, "optimise")
+    if not vary and not shapes:
+        raise BadInput("--vary: expected at least one KEY=LOW..HIGH, or --shapes")
+    checked = check_case(tree, path)
+    ways = directions(checked)
+    known = _known(goal, ways, "GOAL")
+    limits = for_all(lambda text: limit_of(text, ways), limit)
+    points = for_all(_point, at) or [[]]
+    ranges = for_all(lambda text: range_of(tree, text, path.parent, "--vary"), vary)
+    skirt = None
+    if shapes:
+        height = length_of("--amplitude", amplitude)
+        skirt = shapes_of(checked, tree, shapes, height, folder / "shapes")
+    space = DesignSpace(tuple(number for number, *_ in ranges), skirt)
+    count = len(space.names) - len(ranges)
+    bounds = tuple((low, high) for _, low, high in ranges) + ((-1.0, 1.0),) * count
+    sign = -1.0 if ways[known] == "raise" else 1.0
+    task = Task(known, sign, tuple(limits), tuple(points), bounds, gradients)
+
+    def watch(value, slack):
+        excess = "" if slack >= -TOLERANCE else f", {-100 * slack:.1f} % above a limit"
+        tell(f"design {len(search.history)}: {100 * abs(value):.2f} % of the case{excess}")
+
+    with passing_fmus(folder / "cache"), LocalPool(workers) as executor:
+        lean = [*changes, ("record.fields", [])]
+        search = Search(task, Runs(path, lean, space, folder, executor, keeps=False), watch)
+        found = optimise(search)
+        whole = Runs(path, changes, space, folder, executor)
+        rows = whole.rows([[0.0] * len(bounds), found.shares], task.points)
+    tell(
+        f"{found.message}: {abs(found.after / found.before) - 1.0:+.2%} of {entry_in_words(known)}"
+    )
+    _compare(rows, points, folder)
+    _say_active(found, points)
+    _write(space, found, folder)
+    _draw(space, found, folder, skirt)
+
+
+def limit_of(text, ways):
+    """Return the limit of FIGURE, FIGURE<=VALUE or FIGURE>=VALUE; `ways` : direction by figure.
+
+    Raises
+    ------
+    BadInput
+        For an unknown figure, a value of another unit, and a figure without a direction or value.
+    """
+    for sign, symbol in ((1.0, "<="), (-1.0, ">=")):
+        name, found, value = text.partition(symbol)
+        if found:
+            figure = _known(name.strip(), ways, "--limit")
+            try:
+                return Limit(figure, sign, to_si(value.strip(), _unit_of(figure)))
+            except ValueError as error:
+                raise BadInput(f"--limit {figure}: {error}") from None
+    figure = _known(text.strip(), ways, "--limit")
+    if ways[figure] == "none":
+        raise BadInput(f"--limit {figure}: expected {LIMIT_FORMS}, because it has no direction")
+    return Limit(figure, -1.0 if ways[figure] == "raise" else 1.0)
+
+
+def _known(name, ways, option):
+    if name not in ways:
+        raise BadInput(f"{option}: {unknown('figure', name, ways)}")
+    return name
+
+
+def _unit_of(figure):
+    """Return the SI unit at the end of the name of a figure, "1" without one."""
+    ending = next((one for one in ENDINGS if figure.endswith(one)), "")
+    return {"m³/s": "m3/s", "N m": "N.m", "": "1"}.get(unit := ENDINGS.get(ending, ""), unit)
+
+
+def _point(text):
+    """Return the changes of an operating point."""
+    try:
+        return for_all(parse_change, text.split(","))
+    except BadInput as error:
+        raise BadInput([line.replace("--set", "--at") for line in error.faults]) from None
+
+
+def _compare(rows, points, folder):
+    """Print the comparison of case and result at each point, and keep their results files."""
+    from ..results.file import Results
+
+    for k, (point, before, after) in enumerate(zip(points, rows, rows[len(points) :])):
+        files = {}
+        for name, row in (("case", before), ("result", after)):
+            if row["status"] != "done":
+                say(f"warning: {name}: {row['message']}")
+                return
+            files[name] = folder / "runs" / row["results"]
+        if len(points) > 1:
+            tell(", ".join(f"{key} {value}" for key, value in point) or "the case", markup=False)
+        with ExitStack() as opened:
+            print_compared({n: opened.enter_context(Results(f)) for n, f in files.items()})
+        for name, file in files.items():
+            tell(f"results  {name}{f', point {k + 1}' if len(points) > 1 else ''}: {file}")
+
+
+def _say_active(found, points):
+    """Print the limits that the result reaches."""
+    for one in found.active:
+        words = entry_in_words(one.limit.figure).partition(" [")[0]
+        where = f" at point {one.point + 1}" if len(points) > 1 else ""
+        gain = f"1 % of it is worth {one.multiplier:.2g} % of the goal"
+        tell(f"limit    {words}{where} is reached: {gain}")
+
+
+def _write(space, found, folder):
+    """Write the variables, and the profile as a table."""
+    with open(folder / "design.csv", "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["variable", "value", "unit"])
+        for number, share in zip(space.numbers, found.shares):
+            writer.writerow([number.name, number.value + share * number.scale, number.unit])
+        if space.shapes:
+            for name, share in zip(space.shapes.names, found.shares[len(space.numbers) :]):
+                writer.writerow([name, 1e6 * space.shapes.amplitude * share, "um"])
+    tell(f"design   {folder / 'design.csv'}")
+    if space.shapes:
+        profile = space.shapes.profile(found.shares[len(space.numbers) :])
+        write_whole(folder / "profile.csv", space.shapes.table(profile))
+        tell(f"profile  {folder / 'profile.csv'}, a further table of build.piston.profiles")
+
+
+def _draw(space, found, folder, skirt):
+    from ..results.design_pictures import draw_maps, draw_search
+
+    tell(f"picture  {draw_search(found.history, TOLERANCE, folder / 'search.png')}")
+    if skirt:
+        own = slice(len(space.numbers), None)
+        slopes = 100.0 * found.gradient[own] / skirt.amplitude
+        maps = {
+            "profile, positive away from the bore [µm]": 1e6 * skirt.profile(found.shares[own]),
+            "goal [% per µm on 1 % of the skirt]": 1e-8 * map_of(skirt, slopes),
+        }
+        tell(f"maps     {draw_maps(maps, ANGLES, 1e3 * skirt.heights, folder / 'maps.png')}")
