@@ -127,7 +127,7 @@ def variant_trees(path, changes, only, say=lambda text: None):
 
 
 def changed_case(name, texts, only, output, purpose):
-    """Return path, tree and changes of a case with --set and --only, and the folder of the output.
+    """Return path and tree of a case with --set and --only, and the folder of the output.
 
     Default of the folder: results/PURPOSE_CASE.
     """
@@ -138,7 +138,7 @@ def changed_case(name, texts, only, output, purpose):
         changes = [*read_tree(path).get("variants", {}).get(only, {}).items(), *changes]
     case = path.parent.name if path.name == "case.toml" else path.stem
     folder = Path(output or Path("results") / f"{purpose}_{case}").absolute()
-    return path, read_tree(path, changes), changes, folder
+    return path, read_tree(path, changes), folder
 
 
 def length_of(option, text):

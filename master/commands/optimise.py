@@ -4,16 +4,16 @@ import csv
 from contextlib import ExitStack
 from typing import Annotated
 
+import numpy as np
 from cyclopts import Parameter
 
 from ..case.checked import check_case
 from ..engine.measures import directions
 from ..fmi.cache import passing_fmus, write_whole
-from ..fmi.errors import BadInput, for_all, unknown
-from ..fmi.quantities import to_si
-from ..results.words import ENDINGS, entry_in_words
+from ..fmi.errors import BadInput, for_all
+from ..results.words import entry_in_words
 from ..runs.design_space import ANGLES, DesignSpace, range_of, shapes_of
-from ..runs.optimisation import TOLERANCE, Limit, Search, Task, optimise
+from ..runs.optimisation import TOLERANCE, Search, Task, known_figure, limit_of, optimise
 from ..runs.pool import LocalPool
 from ..runs.sensitivities import Runs, map_of
 from .common import (
@@ -31,8 +31,6 @@ from .common import (
 )
 from .usage import positive
 
-LIMIT_FORMS = "FIGURE, FIGURE<=VALUE or FIGURE>=VALUE"
-
 
 def command(
     case: str,
@@ -45,6 +43,7 @@ def command(
     limit: list[str] = [],
     at: list[str] = [],
     gradients: Annotated[Whole, Parameter(validator=positive)] = 15,
+    uncertainty: Annotated[bool, Parameter(negative=())] = False,
     set_: Changes = [],
     only: Only = None,
     output: OutputFolder | None = None,
@@ -80,6 +79,8 @@ def command(
         Operating point: changes KEY=VALUE, separated by commas; repeatable. Default: the case.
     gradients
         Maximum number of gradients.
+    uncertainty
+        Compute the uncertainties of case and result from a second grid and doubled steps.
     set_
         Change of the case in all runs, KEY=VALUE; repeatable.
     only
@@ -89,12 +90,12 @@ def command(
     workers
         Number of processes. Default: the number of processors.
     """
-    path, tree, changes, folder = changed_case(case, set_, only, output, "optimise")
+    path, tree, folder = changed_case(case, set_, only, output, "optimise")
     if not vary and not shapes:
         raise BadInput("--vary: expected at least one KEY=LOW..HIGH, or --shapes")
     checked = check_case(tree, path)
     ways = directions(checked)
-    known = _known(goal, ways, "GOAL")
+    known_figure(goal, ways, "GOAL")
     limits = for_all(lambda text: limit_of(text, ways), limit)
     points = for_all(_point, at) or [[]]
     ranges = for_all(lambda text: range_of(tree, text, path.parent, "--vary"), vary)
@@ -105,60 +106,25 @@ def command(
     space = DesignSpace(tuple(number for number, *_ in ranges), skirt)
     count = len(space.names) - len(ranges)
     bounds = tuple((low, high) for _, low, high in ranges) + ((-1.0, 1.0),) * count
-    sign = -1.0 if ways[known] == "raise" else 1.0
-    task = Task(known, sign, tuple(limits), tuple(points), bounds, gradients)
+    sign = -1.0 if ways[goal] == "raise" else 1.0
+    task = Task(goal, sign, tuple(limits), tuple(points), bounds, gradients)
 
     def watch(value, slack):
         excess = "" if slack >= -TOLERANCE else f", {-100 * slack:.1f} % above a limit"
         tell(f"design {len(search.history)}: {100 * abs(value):.2f} % of the case{excess}")
 
     with passing_fmus(folder / "cache"), LocalPool(workers) as executor:
-        lean = [*changes, ("record.fields", [])]
-        search = Search(task, Runs(path, lean, space, folder, executor, keeps=False), watch)
+        lean = tree | {"record": tree.get("record", {}) | {"fields": []}}
+        search = Search(task, Runs(lean, path, space, folder, executor, keeps=False), watch)
         found = optimise(search)
-        whole = Runs(path, changes, space, folder, executor)
-        rows = whole.rows([[0.0] * len(bounds), found.shares], task.points)
-    tell(
-        f"{found.message}: {abs(found.after / found.before) - 1.0:+.2%} of {entry_in_words(known)}"
-    )
-    _compare(rows, points, folder)
+        whole = Runs(tree, path, space, folder, executor)
+        designs = [found.shares, np.zeros(len(bounds))]
+        rows = whole.rows(designs, task.points, uncertainty)
+    tell(f"{found.message}: {abs(found.after / found.before) - 1.0:+.2%} of {entry_in_words(goal)}")
+    _compare(rows, points)
     _say_active(found, points)
     _write(space, found, folder)
     _draw(space, found, folder, skirt)
-
-
-def limit_of(text, ways):
-    """Return the limit of FIGURE, FIGURE<=VALUE or FIGURE>=VALUE; `ways` : direction by figure.
-
-    Raises
-    ------
-    BadInput
-        For an unknown figure, a value of another unit, and a figure without a direction or value.
-    """
-    for sign, symbol in ((1.0, "<="), (-1.0, ">=")):
-        name, found, value = text.partition(symbol)
-        if found:
-            figure = _known(name.strip(), ways, "--limit")
-            try:
-                return Limit(figure, sign, to_si(value.strip(), _unit_of(figure)))
-            except ValueError as error:
-                raise BadInput(f"--limit {figure}: {error}") from None
-    figure = _known(text.strip(), ways, "--limit")
-    if ways[figure] == "none":
-        raise BadInput(f"--limit {figure}: expected {LIMIT_FORMS}, because it has no direction")
-    return Limit(figure, -1.0 if ways[figure] == "raise" else 1.0)
-
-
-def _known(name, ways, option):
-    if name not in ways:
-        raise BadInput(f"{option}: {unknown('figure', name, ways)}")
-    return name
-
-
-def _unit_of(figure):
-    """Return the SI unit at the end of the name of a figure, "1" without one."""
-    ending = next((one for one in ENDINGS if figure.endswith(one)), "")
-    return {"m³/s": "m3/s", "N m": "N.m", "": "1"}.get(unit := ENDINGS.get(ending, ""), unit)
 
 
 def _point(text):
@@ -169,17 +135,17 @@ def _point(text):
         raise BadInput([line.replace("--set", "--at") for line in error.faults]) from None
 
 
-def _compare(rows, points, folder):
+def _compare(rows, points):
     """Print the comparison of case and result at each point, and keep their results files."""
     from ..results.file import Results
 
-    for k, (point, before, after) in enumerate(zip(points, rows, rows[len(points) :])):
+    for k, (point, after, before) in enumerate(zip(points, rows, rows[len(points) :])):
         files = {}
-        for name, row in (("case", before), ("result", after)):
+        for name, row in (("result", after), ("case", before)):
             if row["status"] != "done":
                 say(f"warning: {name}: {row['message']}")
                 return
-            files[name] = folder / "runs" / row["results"]
+            files[name] = row["results"]
         if len(points) > 1:
             tell(", ".join(f"{key} {value}" for key, value in point) or "the case", markup=False)
         with ExitStack() as opened:

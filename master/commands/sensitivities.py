@@ -69,7 +69,7 @@ def command(
     workers
         Number of processes. Default: the number of processors.
     """
-    path, tree, changes, folder = changed_case(case, set_, only, output, "sensitivities")
+    path, tree, folder = changed_case(case, set_, only, output, "sensitivities")
     if not by and not shapes:
         raise BadInput("--by: expected at least one KEY, or --shapes")
     checked = check_case(tree, path)
@@ -84,7 +84,7 @@ def command(
         tell(f"{done}/{total}  {row['status']:9s}  {row['message']}", markup=False)
 
     with passing_fmus(folder / "cache"), LocalPool(workers) as executor:
-        runs = Runs(path, changes, space, folder, executor, watch)
+        runs = Runs(tree, path, space, folder, executor, watch)
         found, failed = sensitivities(runs, [*directions(checked)])
     steps = dict.fromkeys(space.names, f"+{amplitude}") | {n.name: n.step_text for n in numbers}
     _print(found, steps)
@@ -163,7 +163,7 @@ def _draw_maps(found, skirt, folder):
         }
         if all(name in slopes for name in skirt.names) and any(slopes[n] for n in skirt.names):
             values = map_of(skirt, [slopes[name] for name in skirt.names])
-            label, shown = entry_shown(figure, (1e-8 * values).ravel())
+            label, shown = entry_shown(figure, (1e-8 * values).ravel().tolist())
             words, _, unit = label.partition(" [")
             title = f"{words} [{unit.rstrip(']') or '1'} per µm on 1 % of the skirt]"
             maps[title] = shown.reshape(values.shape)

@@ -12,7 +12,6 @@ values are further from the bore, as in a table of `profiles`.
 """
 
 import hashlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -77,11 +76,11 @@ class Shapes:
     amplitude: float
     folder: Path
 
-    def profile(self, shares: Sequence[float]) -> np.ndarray:
+    def profile(self, shares: np.ndarray) -> np.ndarray:
         """Return the profile of shares, shape (heights, angles) [m]."""
         return self.amplitude * np.tensordot(np.asarray(shares), self.values, 1)  # Eq. (O2)
 
-    def changes(self, shares: Sequence[float]) -> Changes:
+    def changes(self, shares: np.ndarray) -> Changes:
         """Return the changes of the case for shares, none if all are zero; write the table."""
         if not np.any(shares):
             return []
@@ -112,7 +111,7 @@ class DesignSpace:
         """Names of the variables."""
         return tuple(one.name for one in self.numbers) + (self.shapes.names if self.shapes else ())
 
-    def changes(self, shares: Sequence[float]) -> Changes:
+    def changes(self, shares: np.ndarray) -> Changes:
         """Return the changes of the case for a vector of shares."""
         split = len(self.numbers)
         made = [pair for one, x in zip(self.numbers, shares) if x for pair in one.changes(x)]
@@ -171,8 +170,8 @@ def range_of(
     ends = [in_units_of(known, end, f"{option} {name.strip()}") for end in (low, high)]
     if not ends[0] <= known.magnitude <= ends[1] or ends[0] == ends[1]:
         raise BadInput(
-            f"{option} {name.strip()}: expected a range that contains {known:~}, the value of the "
-            f"case, got {rest}"
+            f"{option} {name.strip()}: expected a range that contains {known.magnitude:g} "
+            f"{_unit_of(known)}, the value of the case, got {rest}"
         )
     scale = 0.5 * (ends[1] - ends[0])
     bounds = [(end - known.magnitude) / scale for end in ends]
@@ -190,7 +189,8 @@ def in_units_of(known: Any, text: str, where: str) -> float:
 
 
 def _unit_of(known: Any) -> str:
-    return one_micro(f"{known.units:~}").replace("\N{MICRO SIGN}", "u")
+    text = one_micro(f"{known.units:~}").replace("\N{MICRO SIGN}", "u")
+    return text.replace(" * ", " ")
 
 
 def _value_of(tree: dict[str, Any], key: str, folder: Path, option: str) -> Any:

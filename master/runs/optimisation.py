@@ -15,13 +15,15 @@ References
 [Kraft1988] D. Kraft, A software package for sequential quadratic programming, DFVLR-FB 88-28, 1988.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import minimize, nnls
 
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, unknown
+from ..fmi.quantities import to_si
+from ..results.words import ENDINGS
 from .design_space import Changes
 from .sensitivities import Row, Runs
 
@@ -31,6 +33,8 @@ TOLERANCE = 2e-3
 """Relative excess over a limit that counts as none; runs that settle to 1e-3 scatter by less."""
 CLOSE = 1e-2
 """Relative distance up to which a limit counts as active."""
+SETTLED = 1e-4
+"""Change of J in an iteration at which the search ends."""
 BAD = 10.0
 """J of a design whose run fails; that of the case itself is 1 or -1."""
 
@@ -48,6 +52,45 @@ class Limit:
     value: float | None = None
 
 
+LIMIT_FORMS = "FIGURE, FIGURE<=VALUE or FIGURE>=VALUE"
+
+
+def known_figure(name: str, directions: Mapping[str, str], option: str) -> str:
+    """Return the name of a figure, a key of `directions`; raise `BadInput` for another one."""
+    if name not in directions:
+        raise BadInput(f"{option}: {unknown('figure', name, directions)}")
+    return name
+
+
+def limit_of(text: str, directions: Mapping[str, str]) -> Limit:
+    """Return the limit of one of `LIMIT_FORMS`; `directions` : "raise", "lower", "none" by figure.
+
+    Raises
+    ------
+    BadInput
+        For an unknown figure, a value of another unit, and a figure without direction and value.
+    """
+    for sign, symbol in ((1.0, "<="), (-1.0, ">=")):
+        name, sign_is_there, value = text.partition(symbol)
+        if sign_is_there:
+            figure = known_figure(name.strip(), directions, "--limit")
+            try:
+                return Limit(figure, sign, to_si(value.strip(), unit_of(figure)))
+            except ValueError as error:
+                raise BadInput(f"--limit {figure}: {error}") from None
+    figure = known_figure(text.strip(), directions, "--limit")
+    if directions[figure] == "none":
+        raise BadInput(f"--limit {figure}: expected FIGURE<=VALUE or FIGURE>=VALUE, got no value")
+    return Limit(figure, -1.0 if directions[figure] == "raise" else 1.0)
+
+
+def unit_of(figure: str) -> str:
+    """Return the SI unit at the end of the name of a figure, "1" without one."""
+    ending = next((one for one in ENDINGS if figure.endswith(one)), "")
+    unit = ENDINGS.get(ending, "1")
+    return {"m³/s": "m3/s", "N m": "N.m"}.get(unit, unit)
+
+
 @dataclass(frozen=True)
 class Task:
     """What to optimise.
@@ -61,7 +104,7 @@ class Task:
     limits: tuple[Limit, ...]
     points: tuple[Changes, ...]
     bounds: tuple[tuple[float, float], ...]
-    gradients: int = 25
+    gradients: int = 15
 
 
 @dataclass(frozen=True)
@@ -156,7 +199,7 @@ class Search:
                 ]
             )
             count = len(self.task.points)
-            rows = self.runs.rows(x + np.diag(steps), self.task.points)
+            rows = self.runs.rows([*(x + np.diag(steps))], self.task.points)
             slopes = []
             for k, step in enumerate(steps):
                 found = self.result(rows[k * count : (k + 1) * count])
@@ -186,7 +229,7 @@ def optimise(search: Search) -> Optimum:
         method="SLSQP",
         bounds=task.bounds,
         constraints=[within] if task.limits else [],
-        options={"maxiter": task.gradients, "ftol": 1e-3},
+        options={"maxiter": task.gradients, "ftol": SETTLED},
     )
     kept = [one for one in search.history if one[2] >= -TOLERANCE]
     best, after, _ = min(kept or search.history, key=lambda one: one[1])

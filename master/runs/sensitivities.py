@@ -14,7 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from ..fmi.errors import BadInput
+from ..case.changes import changed
+from ..case.checked import check_case
+from ..fmi.errors import BadInput, for_all
 from . import sweep as sweeps
 from .design_space import Changes, DesignSpace, Shapes
 
@@ -41,13 +43,13 @@ class Sensitivity:
 class Runs:
     """How designs are run.
 
-    path : of the case; changes : of the case in all runs; space : variables; folder : of the rows;
-    executor : as for `sweep.sweep`; watch : called with number done, number of all, and the row;
-    keeps : whether results files remain.
+    tree : resolved TOML tree of the case; path : of its file; space : variables; folder : of the
+    rows; executor : as for `sweep.sweep`; watch : called with number done, number of all, and the
+    row; keeps : whether results files remain.
     """
 
+    tree: dict[str, Any]
     path: Path
-    changes: Changes
     space: DesignSpace
     folder: Path
     executor: Any
@@ -55,29 +57,41 @@ class Runs:
     keeps: bool = True
 
     def rows(
-        self, designs: Sequence[Sequence[float]], more: Sequence[Changes] = ([],)
+        self,
+        designs: Sequence[np.ndarray],
+        more: Sequence[Changes] = ([],),
+        uncertainty: bool = False,
     ) -> list[Row]:
         """Return the rows of designs, for each design those of all further changes `more`.
 
-        Finished designs are read from the folder.
+        Finished designs are read from the folder. The entry `results` is the results file.
+
+        Raises
+        ------
+        BadInput
+            With every fault of every design.
         """
-        runs = [
-            (dict(zip(self.space.names, x)), [*self.changes, *added, *self.space.changes(x)])
-            for x in designs
-            for added in more
-        ]
-        points = sweeps.resolved(self.path, runs)
-        sweeps.build_all(
-            sweeps.unfinished(points, self.folder), self.path.parent, lambda text: None
-        )
+
+        def point(pair):
+            design, added = pair
+            changes = [*added, *self.space.changes(design)]
+            tree = changed(self.tree, changes, self.path.parent)
+            check_case(tree, self.path)
+            return sweeps.Point(dict(zip(self.space.names, design)), tree)
+
+        points = for_all(point, [(x, added) for x in designs for added in more])
+        waiting = sweeps.unfinished(points, self.folder)
+        sweeps.build_all(waiting, self.path.parent, lambda text: None)
+        folder = self.folder / "runs"
 
         def keep(rows, ended):
             self.watch(len(rows), len(points), rows[ended[0]])
             for k in ended if not self.keeps else ():
-                (self.folder / "runs" / f"{points[k].name}.h5").unlink(missing_ok=True)
+                (folder / f"{points[k].name}.h5").unlink(missing_ok=True)
 
-        runs_folder = self.folder / "runs"
-        return sweeps.rows_of(points, self.path.parent, runs_folder, self.executor, keep)
+        case_folder = self.path.parent
+        rows = sweeps.rows_of(points, case_folder, folder, self.executor, keep, uncertainty)
+        return [row | {"results": folder / f"{p.name}.h5"} for row, p in zip(rows, points)]
 
 
 def sensitivities(runs: Runs, figures: Sequence[str]) -> tuple[list[Sensitivity], list[Row]]:
