@@ -3,7 +3,7 @@
 import fcntl
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
@@ -34,7 +34,7 @@ MANY = ("fmus", "unpacked")
 
 
 @contextmanager
-def passing_fmus(folder: Path) -> Iterator[None]:
+def passing_fmus(folder: Path) -> Generator[None]:
     """Keep the FMUs that this process and its children build in a folder, and delete it at the end.
 
     Everything else, such as compiled code and reduced bodies, is that of the user's cache.
