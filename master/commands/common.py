@@ -127,7 +127,7 @@ def variant_trees(path, changes, only, say=lambda text: None):
 
 
 def changed_case(name, texts, only, output, purpose):
-    """Return path and tree of a case with --set and --only, and the folder of the output.
+    """Return the path of a case, its changes by --only and --set, and the folder of the output.
 
     Default of the folder: results/PURPOSE_CASE.
     """
@@ -135,10 +135,9 @@ def changed_case(name, texts, only, output, purpose):
     changes = parse_changes(texts)
     if only:
         variant_trees(path, changes, only, say)
-        changes = [*read_tree(path).get("variants", {}).get(only, {}).items(), *changes]
-    case = path.parent.name if path.name == "case.toml" else path.stem
-    folder = Path(output or Path("results") / f"{purpose}_{case}").absolute()
-    return path, read_tree(path, changes), folder
+        changes = [*changes_of_variant(read_tree(path), only).items(), *changes]
+    folder = output or Path("results") / f"{purpose}_{name_of_case(path)}"
+    return path, changes, folder.absolute()
 
 
 def length_of(option, text):

@@ -8,6 +8,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from ..case.checked import check_case
+from ..case.reading import read_tree
 from ..engine.measures import directions
 from ..fmi.cache import passing_fmus, write_whole
 from ..fmi.errors import BadInput, for_all
@@ -90,7 +91,8 @@ def command(
     workers
         Number of processes. Default: the number of processors.
     """
-    path, tree, folder = changed_case(case, set_, only, output, "optimise")
+    path, changes, folder = changed_case(case, set_, only, output, "optimise")
+    tree = read_tree(path, changes)
     if not vary and not shapes:
         raise BadInput("--vary: expected at least one KEY=LOW..HIGH, or --shapes")
     checked = check_case(tree, path)

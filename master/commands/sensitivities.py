@@ -6,6 +6,7 @@ import sys
 from rich.table import Table
 
 from ..case.checked import check_case
+from ..case.reading import read_tree
 from ..engine.measures import directions
 from ..fmi.cache import passing_fmus
 from ..fmi.errors import BadInput, for_all
@@ -69,7 +70,8 @@ def command(
     workers
         Number of processes. Default: the number of processors.
     """
-    path, tree, folder = changed_case(case, set_, only, output, "sensitivities")
+    path, changes, folder = changed_case(case, set_, only, output, "sensitivities")
+    tree = read_tree(path, changes)
     if not by and not shapes:
         raise BadInput("--by: expected at least one KEY, or --shapes")
     checked = check_case(tree, path)
