@@ -35,6 +35,7 @@ COMMANDS = {
     "sweep": "Run a case over values of its keys.",
     "sensitivities": "Compute how the main results change with numbers and profile.",
     "optimise": "Find the best numbers and profile of a case within limits.",
+    "calibrate": "Fit numbers of a case to measured curves.",
     "study": "Run a study of a case.",
     "reduce": "Reduce flexible bodies and list their modes.",
     "verify": "Compute the verification figures next to their references.",

@@ -216,3 +216,68 @@ def test_a_linear_system_has_the_sensitivity_by_proportion(tmp_path):
     )
     assert [one.figure for one in found] == [row["figure"] for row in rows]
     assert [one.change for one in found] == [float(row["change"]) for row in rows]
+
+
+PLACES = np.linspace(0.0, 3.0, 40)
+BOX = [(-1.0, 1.0)] * 2
+
+
+def measured_by(truth, noise, curve):
+    """Return the residuals of designs against a curve with normal noise, over its deviation."""
+    values = curve(truth) + noise
+    return lambda designs: [(curve(x) - values) / 0.05 for x in designs]
+
+
+def bent(x):
+    """Return a curve of two parameters, not linear in the first."""
+    return np.exp(0.5 * x[0]) * np.sin(PLACES) + x[1] * np.cos(PLACES)
+
+
+def test_intervals_cover_the_truth_of_synthetic_measurements():
+    rng = np.random.default_rng(11)
+    covered = 0
+    for _ in range(20):
+        truth = rng.uniform(-0.8, 0.8, 2)
+        noise = 0.05 * rng.standard_normal(PLACES.size)
+        fit = calibrate(measured_by(truth, noise, bent), BOX, True)
+        covered += int((np.abs(fit.shares - truth) <= fit.half_widths).sum())
+        assert fit.after < 1.4 and not fit.alike  # 1 + 2.8 / sqrt(2 38)
+    assert covered >= 36  # 38 of 40 expected; 36 is one standard deviation and a half below
+
+
+def test_the_interval_is_that_of_linear_regression():
+    rng = np.random.default_rng(5)
+    columns = np.array([PLACES, np.ones(PLACES.size)]).T
+    noise = 0.05 * rng.standard_normal(PLACES.size)
+    truth = np.array([0.3, -0.2])
+    fit = calibrate(measured_by(truth, noise, lambda x: columns @ x), BOX, False)
+    right, (squares,), *_ = np.linalg.lstsq(columns, columns @ truth + noise, rcond=None)
+    variance = squares / (PLACES.size - 2) * np.linalg.inv(columns.T @ columns)
+    assert fit.shares == pytest.approx(right, abs=1e-4)  # the search ends there
+    # 2.0244: quantile of Student for 38 degrees of freedom
+    assert fit.half_widths == pytest.approx(2.0244 * np.sqrt(np.diag(variance)), rel=1e-4)
+
+
+def test_parameters_that_act_alike_are_named():
+    noise = 0.05 * np.random.default_rng(2).standard_normal(PLACES.size)
+    nearly = calibrate(
+        measured_by(
+            np.zeros(2), noise, lambda x: x[0] * PLACES + x[1] * (PLACES + 0.1 * PLACES**2)
+        ),
+        BOX,
+        True,
+    )
+    assert [pair[:2] for pair in nearly.alike] == [(0, 1)] and nearly.alike[0][2] < -0.95
+    same = calibrate(measured_by(np.zeros(2), noise, lambda x: (x[0] + x[1]) * PLACES), BOX, True)
+    assert np.isinf(same.half_widths).all()
+    with pytest.raises(BadInput, match="more than 2 values, got 1"):
+        calibrate(lambda designs: [np.zeros(1)], BOX, True)
+
+
+def test_a_calibration_finds_the_number_of_the_measured_run(tmp_path):
+    changes = {"time.stop": "0.3 s", "participants.left.parameters.start_displacement": "1.1 m"}
+    with pc.open_case("two_mass_oscillator", changes).run(tmp_path / "m.h5") as results:
+        values = results.series("left.displacement").values
+        lines = [f"{t},{1e3 * y}" for t, y in zip(results.time, values)]
+    head = "left.time [s],left.displacement [mm]"
+    (tmp_path / "m.csv").write_text("\n".join([head.replace("left.time", "time"), *lines]))
