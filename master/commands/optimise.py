@@ -185,7 +185,8 @@ def _write(space, found, folder):
 def _draw(space, found, folder, skirt):
     from ..results.design_pictures import draw_maps, draw_search
 
-    tell(f"picture  {draw_search(found.history, TOLERANCE, folder / 'search.png')}")
+    designs = [(one.value, one.slack) for one in found.history]
+    tell(f"picture  {draw_search(designs, TOLERANCE, folder / 'search.png')}")
     if skirt:
         own = slice(len(space.numbers), None)
         slopes = 100.0 * found.gradient[own] / skirt.amplitude

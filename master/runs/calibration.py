@@ -1,7 +1,7 @@
 """Calibration: numbers of a case for which its curves agree best with measured values.
 
-Eq. (O6):  minimise  sum of r_i^2,   r_i = (y(x_i) - m_i) / sigma_i
-Eq. (O7):  C = s^2 (J^T J)^-1,   J = dr/dp,   s^2 = max(1, sum of r_i^2 / (n - number of parameters))
+Eq. (V6):  minimise  sum of r_i^2,   r_i = (y(x_i) - m_i) / sigma_i
+Eq. (V7):  C = s^2 (J^T J)^-1,   J = dr/dp,   s^2 = max(1, sum of r_i^2 / (n - number of p))
 
 y is a curve of the last period, m_i one of n measured values at x_i, and sigma_i its standard
 deviation, for which a quarter of the band of the file is taken. Without a band it is unknown: then
@@ -63,7 +63,7 @@ def calibrate(
     Parameters
     ----------
     residuals : callable
-        Of designs, Eq. (O6).
+        Of designs, Eq. (V6).
     bounds : sequence of (float, float)
         Lower and upper share of each parameter.
     has_bands : bool
@@ -104,7 +104,7 @@ def calibrate(
         xtol=SETTLED,
         ftol=SETTLED,
     )
-    # Eq. (O7)
+    # Eq. (V7)
     variance = float(done.fun @ done.fun) / (first.size - count)
     scale = max(variance, 1.0) if has_bands else variance
     _, sizes, directions = np.linalg.svd(done.jac, full_matrices=False)

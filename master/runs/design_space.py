@@ -2,8 +2,8 @@
 
 A design is a vector x of shares, one for each variable. At x = 0 it is the case itself.
 
-Eq. (O1):  number = its value in the case + x times its scale
-Eq. (O2):  profile(theta, y) = sum of x_k a s_k,   s_k = B_m(y) cos(q (theta - 90 deg)) - its mean
+Eq. (V1):  number = its value in the case + x times its scale
+Eq. (V2):  profile(theta, y) = sum of x_k a s_k,   s_k = B_m(y) cos(q (theta - 90 deg)) - its mean
 
 a is the amplitude of the shapes and B_m a cubic B-spline between both ends of the skirt. theta is
 the angle from the pin axis towards the thrust side. The mean over the skirt is zero, so no shape
@@ -39,7 +39,7 @@ TABLE_UNITS = {"angle_unit": "1 deg", "height_unit": "1 mm", "value_unit": "1 um
 
 @dataclass(frozen=True)
 class Number:
-    """Number of a case that is varied, Eq. (O1).
+    """Number of a case that is varied, Eq. (V1).
 
     name : as the user wrote it; keys : dotted paths that have the value; value, scale : at x = 0,
     and for a share of 1, in `unit`, "" for a number without one; step_text : `scale` as the user
@@ -55,13 +55,13 @@ class Number:
 
     def changes(self, share: float) -> Changes:
         """Return the changes of the case for a share."""
-        number = float(f"{self.value + share * self.scale:.12g}")  # Eq. (O1)
+        number = float(f"{self.value + share * self.scale:.12g}")  # Eq. (V1)
         return [(key, f"{number!r} {self.unit}" if self.unit else number) for key in self.keys]
 
 
 @dataclass(frozen=True)
 class Shapes:
-    """Shapes of the profile of a skirt, Eq. (O2).
+    """Shapes of the profile of a skirt, Eq. (V2).
 
     names : of the shapes; key : dotted path of the profiles of the piston; before : its value in
     the case; heights : of the tables above the pin [m]; values : ndarray, shape (n, heights,
@@ -78,7 +78,7 @@ class Shapes:
 
     def profile(self, shares: np.ndarray) -> np.ndarray:
         """Return the profile of shares, shape (heights, angles) [m]."""
-        return self.amplitude * np.tensordot(np.asarray(shares), self.values, 1)  # Eq. (O2)
+        return self.amplitude * np.tensordot(np.asarray(shares), self.values, 1)  # Eq. (V2)
 
     def changes(self, shares: np.ndarray) -> Changes:
         """Return the changes of the case for shares, none if all are zero; write the table."""
@@ -266,7 +266,7 @@ def _size(text: str) -> tuple[int, int]:
 def shape_functions(
     place: np.ndarray, splines: int, orders: int
 ) -> tuple[tuple[str, ...], np.ndarray]:
-    """Return the names and the values of the shapes s_k of Eq. (O2).
+    """Return the names and the values of the shapes s_k of Eq. (V2).
 
     Parameters
     ----------
@@ -290,5 +290,5 @@ def shape_functions(
         for k in range(splines - (order == 0)):
             value = spline[k][:, None] * around
             names.append(f"shape {k + 1} cos {order}")
-            values.append(value - value.mean())  # Eq. (O2)
+            values.append(value - value.mean())  # Eq. (V2)
     return tuple(names), np.array(values)

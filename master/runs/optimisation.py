@@ -1,6 +1,6 @@
 """Optimisation of a design: the best value of one figure, within limits on others.
 
-Eq. (O4):  minimise  J(x) = sum over points of s f(x) / |f(0)| / number of points
+Eq. (V4):  minimise  J(x) = sum over points of s f(x) / |f(0)| / number of points
            with  g(x) = s (limit - f(x)) / |limit| >= 0  for each limit and point, and bounds of x
 
 f is a figure of a run, s is 1 if less is better and -1 if more is better; points are the operating
@@ -17,6 +17,7 @@ References
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize, nnls
@@ -119,12 +120,20 @@ class Active:
     multiplier: float
 
 
+class Trial(NamedTuple):
+    """Design that was run: its shares, J, and the smallest g, at most 0."""
+
+    shares: np.ndarray
+    value: float
+    slack: float
+
+
 @dataclass(frozen=True)
 class Optimum:
     """Result of an optimisation.
 
     shares : of the variables; before, after : J of the case itself and of the result; active;
-    history : J and the smallest g of every design, in their order; gradient : of J to the shares;
+    history : all designs in their order; gradient : of J to the shares;
     message : why the search ended.
     """
 
@@ -132,14 +141,14 @@ class Optimum:
     before: float
     after: float
     active: list[Active]
-    history: list[tuple[float, float]]
+    history: list[Trial]
     gradient: np.ndarray
     message: str
 
 
 @dataclass
 class Search:
-    """Designs that were run, and their objective and limits, Eq. (O4)."""
+    """Designs that were run, and their objective and limits, Eq. (V4)."""
 
     task: Task
     runs: Runs
@@ -147,7 +156,7 @@ class Search:
     base: list[Row] = field(default_factory=list[Row])
     known: dict[bytes, tuple[float, np.ndarray]] = field(default_factory=dict)
     slopes: dict[bytes, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
-    history: list[tuple[np.ndarray, float, float]] = field(default_factory=list)
+    history: list[Trial] = field(default_factory=list[Trial])
 
     def start(self) -> None:
         """Run the case itself at all points.
@@ -163,7 +172,7 @@ class Search:
                 raise BadInput(f"the case itself: {row['message']}")
 
     def result(self, rows: Sequence[Row]) -> tuple[float, np.ndarray] | None:
-        """Return J and all g of the rows of one design, None if a run failed; Eq. (O4)."""
+        """Return J and all g of the rows of one design, None if a run failed; Eq. (V4)."""
         task = self.task
         if any(row["status"] != "done" for row in rows):
             return None
@@ -183,8 +192,8 @@ class Search:
             count = len(self.task.limits) * len(self.task.points)
             self.known[key] = found or (BAD, np.full(count, -1.0))
             value, slack = self.known[key]
-            self.history.append((x.copy(), value, float(slack.min(initial=0.0))))
-            self.watch(value, self.history[-1][2])
+            self.history.append(Trial(x.copy(), value, float(slack.min(initial=0.0))))
+            self.watch(value, self.history[-1].slack)
         return self.known[key]
 
     def slope(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -231,15 +240,15 @@ def optimise(search: Search) -> Optimum:
         constraints=[within] if task.limits else [],
         options={"maxiter": task.gradients, "ftol": SETTLED},
     )
-    kept = [one for one in search.history if one[2] >= -TOLERANCE]
-    best, after, _ = min(kept or search.history, key=lambda one: one[1])
+    kept = [one for one in search.history if one.slack >= -TOLERANCE]
+    best, after, _ = min(kept or search.history, key=lambda one: one.value)
     gradient, slopes = search.slope(best)
     return Optimum(
         shares=best,
         before=before,
         after=after,
         active=_active(search, best, gradient, slopes),
-        history=[one[1:] for one in search.history],
+        history=search.history,
         gradient=gradient,
         message=done.message,
     )

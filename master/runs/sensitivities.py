@@ -1,6 +1,6 @@
 """Sensitivities: changes of the figures of a run with variables of its case, by differences.
 
-Eq. (O3):  change = (f(+1) - f(-1)) / 2,   spread = |f(+1) - 2 f(0) + f(-1)| / 2
+Eq. (V3):  change = (f(+1) - f(-1)) / 2,   spread = |f(+1) - 2 f(0) + f(-1)| / 2
 
 f is a figure of the last period, +1 and -1 stand for a step of one variable in both directions.
 The change is that of a step. The spread is half of the difference of both one-sided changes: what
@@ -25,7 +25,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Change of a figure with a step of a variable, Eq. (O3), in the SI unit of the figure."""
+    """Change of a figure with a step of a variable, Eq. (V3), in the SI unit of the figure."""
 
     figure: str
     variable: str
@@ -121,14 +121,14 @@ def sensitivities(runs: Runs, figures: Sequence[str]) -> tuple[list[Sensitivity]
 
 
 def _sensitivity(figure, variable, value, upper, lower):
-    change = 0.5 * (upper - lower)  # Eq. (O3)
+    change = 0.5 * (upper - lower)  # Eq. (V3)
     return Sensitivity(figure, variable, value, change, 0.5 * abs(upper - 2.0 * value + lower))
 
 
 def map_of(shapes: Shapes, slopes: Sequence[float]) -> np.ndarray:
     """Return the map whose mean product with each shape is the slope of a figure with it.
 
-    Eq. (O5):  g(theta, y) = sum of c_k s_k,   mean(g s_k) = df/dx_k / a
+    Eq. (V5):  g(theta, y) = sum of c_k s_k,   mean(g s_k) = df/dx_k / a
 
     Among all maps with these products it has the smallest rms. A profile p changes the figure by
     mean(g p), so a part of the skirt of share A with the height p by A g p.
@@ -147,4 +147,4 @@ def map_of(shapes: Shapes, slopes: Sequence[float]) -> np.ndarray:
     values = shapes.values.reshape(len(shapes.names), -1)
     products = values @ values.T / values.shape[1]
     weights = np.linalg.solve(products, np.asarray(slopes))
-    return np.tensordot(weights, shapes.values, 1)  # Eq. (O5)
+    return np.tensordot(weights, shapes.values, 1)  # Eq. (V5)

@@ -12,7 +12,10 @@ from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.cache import cache_folder, passing_fmus
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.results.compare import Measured, deviations
+from piston_cosim.master.results.recorded import Series
 from piston_cosim.master.runs import sweep as sweeps
+from piston_cosim.master.runs.calibration import calibrate
 from piston_cosim.master.runs.design_space import (
     ANGLES,
     DesignSpace,
@@ -274,10 +277,22 @@ def test_parameters_that_act_alike_are_named():
         calibrate(lambda designs: [np.zeros(1)], BOX, True)
 
 
-def test_a_calibration_finds_the_number_of_the_measured_run(tmp_path):
-    changes = {"time.stop": "0.3 s", "participants.left.parameters.start_displacement": "1.1 m"}
-    with pc.open_case("two_mass_oscillator", changes).run(tmp_path / "m.h5") as results:
-        values = results.series("left.displacement").values
-        lines = [f"{t},{1e3 * y}" for t, y in zip(results.time, values)]
-    head = "left.time [s],left.displacement [mm]"
-    (tmp_path / "m.csv").write_text("\n".join([head.replace("left.time", "time"), *lines]))
+class Recorded:
+    """Results of a run whose curve is twice its abscissa."""
+
+    ports = ("a.angle", "a.height")
+
+    def series(self, port):
+        x = np.radians(np.linspace(0.0, 90.0, 10))
+        if port == "a.angle":
+            return Series(x, "rad", "")
+        return Series(2e-3 * np.degrees(x), "m", "")
+
+
+def test_deviations_are_in_quarters_of_the_band():
+    # at 45 and 90 deg the run has 90 and 180 mm; 400 deg is outside of it
+    angle, height = np.array([45.0, 90.0, 400.0]), np.array([88.0, 190.0, 0.0])
+    columns = {"a.angle": Measured(angle, "deg"), "a.height": Measured(height, "mm")}
+    assert deviations(Recorded(), columns) == pytest.approx([2.0 / 190.0, -10.0 / 190.0])
+    banded = Measured(height, "mm", height - 4.0, height + 4.0)
+    assert deviations(Recorded(), columns | {"a.height": banded}) == pytest.approx([1.0, -5.0])
