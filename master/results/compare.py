@@ -240,7 +240,7 @@ def deviations(results, measured) -> np.ndarray:
         spread = np.full(x.size, np.ptp(column.values) or 1.0)
         if column.low is not None and column.high is not None:
             spread = 0.25 * (column.high - column.low)
-        shares.append((values - column.values[inside]) / spread[inside])
+        shares.append((values - column.values[inside]) / spread[inside])  # Eq. (V6)
     return np.concatenate(shares)
 
 

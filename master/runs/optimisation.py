@@ -181,6 +181,7 @@ class Search:
         for one in task.limits:
             for row, base in zip(rows, self.base):
                 limit = base[one.figure] if one.value is None else one.value
+                # Eq. (V4)
                 slack.append(one.sign * (limit - row[one.figure]) / max(abs(limit), 1e-300))
         return task.sign * float(np.mean(shares)), np.array(slack)
 
