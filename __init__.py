@@ -6,7 +6,7 @@
     results = case.run()
     results.plot.lines("ehd.minimum_film_thickness", units={"ehd.minimum_film_thickness": "um"})
 
-Cases       open_case, Case, sweep
+Cases       open_case, Case, sweep, sensitivities
 Results     open_results, Results
 Parts       Film, bearing, reduce_bodies
 Own models  Slave, variables, couple
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from .master.api.cases import Case, open_case, sweep
     from .master.api.cite import cite
     from .master.api.coupled import couple
+    from .master.api.design import sensitivities
     from .master.api.fmus import build_fmu, open_fmu
     from .master.coupling.stepping import StepFailed
     from .master.fmi import variables
@@ -60,6 +61,7 @@ __all__ = [
     "open_fmu",
     "open_results",
     "reduce_bodies",
+    "sensitivities",
     "sweep",
     "variables",
 ]
@@ -81,6 +83,7 @@ _PLACES = {
     "open_fmu": "master.api.fmus",
     "open_results": "master.results.file",
     "reduce_bodies": "master.api.bodies",
+    "sensitivities": "master.api.design",
     "sweep": "master.api.cases",
     "variables": "master.fmi.variables:",
 }

@@ -2,14 +2,12 @@
 
 import sys
 from contextlib import ExitStack
-from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..case.changes import changes_of_variant
 from ..case.checked import check_case
-from ..case.reading import find_case, name_of_case, read_tree
+from ..case.reading import read_tree
 from ..engine.measures import directions
 from ..fmi.errors import BadInput, for_all
 from ..fmi.quantities import duration
@@ -22,13 +20,12 @@ from .common import (
     Only,
     OutputFolder,
     Workers,
+    changed_case,
     console,
     page_of,
-    parse_changes,
     print_compared,
     say,
     tell,
-    variant_trees,
     warn_of_estimates,
 )
 
@@ -90,12 +87,8 @@ def command(
     limit = _seconds(time_limit, dask)
     if dask and not dask.startswith("tls://"):
         say(f"warning: --dask {dask}: no TLS, everyone who reaches it can run code; use tls://")
-    path = find_case(case)
-    changes = parse_changes(set_)
+    path, changes, folder = changed_case(case, set_, only, output, "sweep")
     tree = read_tree(path, changes)
-    if only:
-        variant_trees(path, changes, only, say)
-        changes = [*changes_of_variant(tree, only).items(), *changes]
     axes = for_all(lambda text: sweeps.parse_axis(text, tree, path.parent), vary)
     varied = [key for axis in axes for key in axis.keys]
     for key in sorted({one for one in varied if varied.count(one) > 1}):
@@ -103,7 +96,6 @@ def command(
     points = sweeps.all_points(path, changes, axes)
     if uncertainty:
         warn_of_estimates({"first point": points[0].tree}, path.parent)
-    folder = (output or Path("results") / f"sweep_{name_of_case(path)}").absolute()
     table = sweeps.table_for(folder, points)
     if table.stem != "sweep":
         say(f"{folder}: holds the table of another sweep; this one's is {table.name}")

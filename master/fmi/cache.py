@@ -2,7 +2,9 @@
 
 import fcntl
 import os
-from contextlib import suppress
+import shutil
+from collections.abc import Generator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
@@ -25,6 +27,33 @@ def cache_folder(kind: str) -> Path:
     folder = Path(root).absolute() / kind
     folder.mkdir(parents=True, exist_ok=True)
     return folder
+
+
+MANY = ("fmus", "unpacked")
+"""Kinds of which every change of a case adds a folder or file."""
+
+
+@contextmanager
+def passing_fmus(folder: Path) -> Generator[None]:
+    """Keep the FMUs that this process and its children build in a folder, and delete it at the end.
+
+    Everything else, such as compiled code and reduced bodies, is that of the user's cache.
+    """
+    before = os.environ.get("PISTON_COSIM_CACHE")
+    root = cache_folder("fmus").parent
+    folder.mkdir(parents=True, exist_ok=True)
+    for own in root.iterdir():
+        with suppress(FileExistsError):
+            if own.is_dir() and own.name not in MANY:
+                (folder / own.name).symlink_to(own)
+    os.environ["PISTON_COSIM_CACHE"] = str(folder.absolute())
+    try:
+        yield
+    finally:
+        del os.environ["PISTON_COSIM_CACHE"]
+        if before is not None:
+            os.environ["PISTON_COSIM_CACHE"] = before
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def try_lock(file: IO[str]) -> bool:

@@ -217,6 +217,33 @@ def check_measured(runs, measured):
         raise BadInput(faults)
 
 
+def deviations(results, measured) -> np.ndarray:
+    """Return the deviations of a run from all measured values, in standard deviations.
+
+    The half-width of a band counts as two of them. Without a band, the range of the measured curve
+    counts as one. Values outside the range of the run are omitted.
+
+    Raises
+    ------
+    BadInput
+        With every measured column that a run lacks or that has another unit.
+    """
+    check_measured({"run": results}, measured)
+    (x_port, (x, x_unit, *_)), *columns = measured.items()
+    curve_x, si_x, _ = results.series(x_port)
+    curve_x = curve_x / _factor(x_unit, si_x)
+    inside = (x >= curve_x[0]) & (x <= curve_x[-1])
+    shares = []
+    for port, column in columns:
+        curve_y, si_y, _ = results.series(port)
+        values = np.interp(x[inside], curve_x, curve_y / _factor(column.unit, si_y))
+        spread = np.full(x.size, np.ptp(column.values) or 1.0)
+        if column.low is not None and column.high is not None:
+            spread = 0.25 * (column.high - column.low)
+        shares.append((values - column.values[inside]) / spread[inside])  # Eq. (V6)
+    return np.concatenate(shares)
+
+
 class Agreement(NamedTuple):
     """Charts of runs and measured values, and the scores of the curves; x_unit : of the phase."""
 

@@ -38,7 +38,12 @@ NO_FILM = "#d5dade"
 COLOURS = {
     kind: LinearSegmentedColormap.from_list(kind, ramp).with_extremes(bad=NO_FILM)
     for kind, ramp in STYLE["ramps"].items()
-} | {"field": colormaps["viridis"].with_extremes(bad=NO_FILM)}
+} | {
+    "field": colormaps["viridis"].with_extremes(bad=NO_FILM),
+    "change": LinearSegmentedColormap.from_list(
+        "change", ["#053061", "#4393c3", "#f7f7f7", "#d6604d", "#67001f"]
+    ),
+}
 """Colours of maps by kind of field."""
 RUPTURE = "#0a6b78"
 """Colour of the line at which a film ruptures."""

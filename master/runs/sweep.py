@@ -242,13 +242,32 @@ def sweep(
 
 def _sweep(points, case_folder, folder, executor, watch, uncertainty):
     table = table_for(folder, points)
-    runs = Path(folder) / "runs"
+
+    def keep(rows, ended):
+        with writing(table):
+            write_table([_record(points[n], rows[n]) for n in sorted(rows)], table)
+        for done, k in enumerate(ended, len(rows) - len(ended) + 1):
+            watch(points[k].values | rows[k], done, len(points))
+
+    rows = rows_of(points, case_folder, Path(folder) / "runs", executor, keep, uncertainty)
+    records = [_record(point, row) for point, row in zip(points, rows)]
+    with writing(table):
+        write_table(records, table)
+    return records
+
+
+def rows_of(points, case_folder, runs, executor, keep=lambda rows, ended: None, uncertainty=False):
+    """Return the row of each point, from the folder `runs` or from a run.
+
+    `keep` is called with all rows so far, by number of the point, and the numbers of those whose
+    run has just ended. Points of one name are one run.
+    """
     with writing(runs):
         runs.mkdir(parents=True, exist_ok=True)
     needed = (COMPUTED,) if uncertainty else ()
-    cached = {k: _done(runs / f"{point.name}.json", needed) for k, point in enumerate(points)}
-    rows = {k: row for k, row in cached.items() if row}
-    twins: dict[str, list[int]] = {}  # points of one name are one run
+    known = (_done(runs / f"{point.name}.json", needed) for point in points)
+    rows = {k: row for k, row in enumerate(known) if row}
+    twins: dict[str, list[int]] = {}
     for k, point in enumerate(points):
         if k not in rows:
             twins.setdefault(point.name, []).append(k)
@@ -267,15 +286,10 @@ def _sweep(points, case_folder, folder, executor, watch, uncertainty):
         own = waiting[future]
         row = _row(future)
         rows |= dict.fromkeys(own, row)
-        with writing(table):
+        with writing(runs):
             write_whole(runs / f"{points[own[0]].name}.json", json.dumps(row).encode())
-            write_table([_record(points[n], rows[n]) for n in sorted(rows)], table)
-        for done, k in enumerate(own, len(rows) - len(own) + 1):
-            watch(points[k].values | row, done, len(points))
-    records = [_record(point, rows[k]) for k, point in enumerate(points)]
-    with writing(table):
-        write_table(records, table)
-    return records
+        keep(rows, own)
+    return [rows[k] for k in range(len(points))]
 
 
 def table_for(folder, points):

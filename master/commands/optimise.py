@@ -1,0 +1,197 @@
+"""`piston-cosim optimise`."""
+
+import csv
+from contextlib import ExitStack
+from typing import Annotated
+
+import numpy as np
+from cyclopts import Parameter
+
+from ..case.checked import check_case
+from ..case.reading import read_tree
+from ..engine.measures import directions
+from ..fmi.cache import passing_fmus, write_whole
+from ..fmi.errors import BadInput, for_all
+from ..results.words import entry_in_words
+from ..runs.design_space import ANGLES, DesignSpace, range_of, shapes_of
+from ..runs.optimisation import TOLERANCE, Search, Task, known_figure, limit_of, optimise
+from ..runs.pool import LocalPool
+from ..runs.sensitivities import Runs, map_of
+from .common import (
+    Changes,
+    Only,
+    OutputFolder,
+    Whole,
+    Workers,
+    changed_case,
+    length_of,
+    parse_change,
+    print_compared,
+    say,
+    tell,
+)
+from .usage import positive
+
+
+def command(
+    case: str,
+    goal: str,
+    /,
+    *,
+    vary: list[str] = [],
+    shapes: str | None = None,
+    amplitude: str = "6 um",
+    limit: list[str] = [],
+    at: list[str] = [],
+    gradients: Annotated[Whole, Parameter(validator=positive)] = 15,
+    uncertainty: Annotated[bool, Parameter(negative=())] = False,
+    set_: Changes = [],
+    only: Only = None,
+    output: OutputFolder | None = None,
+    workers: Workers | None = None,
+):
+    """Find the best numbers and profile of a case within limits.
+
+    The goal is a figure of the table of a sweep. Its direction is the one that a design wants. With
+    several operating points, the goal is the mean of its ratios to those of the case, and every
+    limit holds at each point. Each gradient takes a run for every variable and point, all at the
+    same time. The command compares the result with the case at every point, and writes variables,
+    profile, pictures and results files. A repeated call reuses finished runs.
+
+    Example: piston-cosim optimise numerical_example mean_friction_power_w --shapes 5x3
+    --limit minimum_film_thickness_m --limit "maximum_pressure_pa<=4 MPa"
+
+    Parameters
+    ----------
+    case
+        Name of a case, its folder or its file. `piston-cosim list` prints the names.
+    goal
+        Figure to improve, such as mean_friction_power_w.
+    vary
+        KEY=LOW..HIGH, repeatable: number to vary. Keys joined by + have one value.
+    shapes
+        Shapes of the profile of the skirt, HEIGHTSxORDERS: number of B-splines in height and of
+        orders around, e.g. 5x3. They keep the mean clearance.
+    amplitude
+        Largest amplitude of each shape.
+    limit
+        FIGURE (not worse than in the case), FIGURE<=VALUE or FIGURE>=VALUE, repeatable.
+    at
+        Operating point: changes KEY=VALUE, separated by commas; repeatable. Default: the case.
+    gradients
+        Maximum number of gradients.
+    uncertainty
+        Compute the uncertainties of case and result from a second grid and doubled steps.
+    set_
+        Change of the case in all runs, KEY=VALUE; repeatable.
+    only
+        Variant of the case to run. Default: the case itself.
+    output
+        Folder. Default: results/optimise_CASE. Finished runs in it are reused.
+    workers
+        Number of processes. Default: the number of processors.
+    """
+    path, changes, folder = changed_case(case, set_, only, output, "optimise")
+    tree = read_tree(path, changes)
+    if not vary and not shapes:
+        raise BadInput("--vary: expected at least one KEY=LOW..HIGH, or --shapes")
+    checked = check_case(tree, path)
+    ways = directions(checked)
+    known_figure(goal, ways, "GOAL")
+    limits = for_all(lambda text: limit_of(text, ways), limit)
+    points = for_all(_point, at) or [[]]
+    ranges = for_all(lambda text: range_of(tree, text, path.parent, "--vary"), vary)
+    skirt = None
+    if shapes:
+        height = length_of("--amplitude", amplitude)
+        skirt = shapes_of(checked, tree, shapes, height, folder / "shapes")
+    space = DesignSpace(tuple(number for number, *_ in ranges), skirt)
+    count = len(space.names) - len(ranges)
+    bounds = tuple((low, high) for _, low, high in ranges) + ((-1.0, 1.0),) * count
+    sign = -1.0 if ways[goal] == "raise" else 1.0
+    task = Task(goal, sign, tuple(limits), tuple(points), bounds, gradients)
+
+    def watch(value, slack):
+        excess = "" if slack >= -TOLERANCE else f", {-100 * slack:.1f} % above a limit"
+        tell(f"design {len(search.history)}: {100 * abs(value):.2f} % of the case{excess}")
+
+    with passing_fmus(folder / "cache"), LocalPool(workers) as executor:
+        lean = tree | {"record": tree.get("record", {}) | {"fields": []}}
+        search = Search(task, Runs(lean, path, space, folder, executor, keeps=False), watch)
+        found = optimise(search)
+        whole = Runs(tree, path, space, folder, executor)
+        designs = [found.shares, np.zeros(len(bounds))]
+        rows = whole.rows(designs, task.points, uncertainty)
+    tell(f"{found.message}: {abs(found.after / found.before) - 1.0:+.2%} of {entry_in_words(goal)}")
+    _compare(rows, points)
+    _say_active(found, points)
+    _write(space, found, folder)
+    _draw(space, found, folder, skirt)
+
+
+def _point(text):
+    """Return the changes of an operating point."""
+    try:
+        return for_all(parse_change, text.split(","))
+    except BadInput as error:
+        raise BadInput([line.replace("--set", "--at") for line in error.faults]) from None
+
+
+def _compare(rows, points):
+    """Print the comparison of case and result at each point, and keep their results files."""
+    from ..results.file import Results
+
+    for k, (point, after, before) in enumerate(zip(points, rows, rows[len(points) :])):
+        files = {}
+        for name, row in (("result", after), ("case", before)):
+            if row["status"] != "done":
+                say(f"warning: {name}: {row['message']}")
+                return
+            files[name] = row["results"]
+        if len(points) > 1:
+            tell(", ".join(f"{key} {value}" for key, value in point) or "the case", markup=False)
+        with ExitStack() as opened:
+            print_compared({n: opened.enter_context(Results(f)) for n, f in files.items()})
+        for name, file in files.items():
+            tell(f"results  {name}{f', point {k + 1}' if len(points) > 1 else ''}: {file}")
+
+
+def _say_active(found, points):
+    """Print the limits that the result reaches."""
+    for one in found.active:
+        words = entry_in_words(one.limit.figure).partition(" [")[0]
+        where = f" at point {one.point + 1}" if len(points) > 1 else ""
+        gain = f"1 % of it is worth {one.multiplier:.2g} % of the goal"
+        tell(f"limit    {words}{where} is reached: {gain}")
+
+
+def _write(space, found, folder):
+    """Write the variables, and the profile as a table."""
+    with open(folder / "design.csv", "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["variable", "value", "unit"])
+        for number, share in zip(space.numbers, found.shares):
+            writer.writerow([number.name, number.value + share * number.scale, number.unit])
+        if space.shapes:
+            for name, share in zip(space.shapes.names, found.shares[len(space.numbers) :]):
+                writer.writerow([name, 1e6 * space.shapes.amplitude * share, "um"])
+    tell(f"design   {folder / 'design.csv'}")
+    if space.shapes:
+        profile = space.shapes.profile(found.shares[len(space.numbers) :])
+        write_whole(folder / "profile.csv", space.shapes.table(profile))
+        tell(f"profile  {folder / 'profile.csv'}, a further table of build.piston.profiles")
+
+
+def _draw(space, found, folder, skirt):
+    from ..results.design_pictures import draw_maps, draw_search
+
+    designs = [(one.value, one.slack) for one in found.history]
+    tell(f"picture  {draw_search(designs, TOLERANCE, folder / 'search.png')}")
+    if skirt:
+        own = slice(len(space.numbers), None)
+        slopes = 100.0 * found.gradient[own] / skirt.amplitude
+        maps = {
+            "profile, positive away from the bore [µm]": 1e6 * skirt.profile(found.shares[own]),
+            "goal [% per µm on 1 % of the skirt]": 1e-8 * map_of(skirt, slopes),
+        }
+        tell(f"maps     {draw_maps(maps, ANGLES, 1e3 * skirt.heights, folder / 'maps.png')}")

@@ -1,0 +1,174 @@
+"""`piston-cosim sensitivities`."""
+
+import csv
+import sys
+
+from rich.table import Table
+
+from ..case.checked import check_case
+from ..case.reading import read_tree
+from ..engine.measures import directions
+from ..fmi.cache import passing_fmus
+from ..fmi.errors import BadInput, for_all
+from ..fmi.quantities import numbers_text
+from ..results.words import entry_shown
+from ..runs.design_space import ANGLES, DesignSpace, number_of, shapes_of
+from ..runs.pool import LocalPool
+from ..runs.sensitivities import Runs, map_of, sensitivities
+from .common import (
+    Changes,
+    Only,
+    OutputFolder,
+    Workers,
+    changed_case,
+    length_of,
+    say,
+    tell,
+    wide_console,
+)
+
+
+def command(
+    case: str,
+    /,
+    *,
+    by: list[str] = [],
+    shapes: str | None = None,
+    amplitude: str = "1 um",
+    set_: Changes = [],
+    only: Only = None,
+    output: OutputFolder | None = None,
+    workers: Workers | None = None,
+):
+    """Compute how the main results change with numbers and profile.
+
+    Every variable has two runs, with a step up and a step down. The table has half of the
+    difference, and the spread: half of the difference of both one-sided changes. A change below
+    its spread is in brackets. The command also writes sensitivities.csv and a picture, and with
+    shapes a map of the skirt.
+
+    Example: piston-cosim sensitivities data_sheet --by radial_clearance=1um --by viscosity
+
+    Parameters
+    ----------
+    case
+        Name of a case, its folder or its file. `piston-cosim list` prints the names.
+    by
+        KEY or KEY=STEP, repeatable. KEY is a dotted path or its last part. Keys joined by + change
+        together. Default of a step: 2 % of the value.
+    shapes
+        Shapes of the profile of the skirt, HEIGHTSxORDERS: number of B-splines in height and of
+        orders around, e.g. 5x3. They keep the mean clearance.
+    amplitude
+        Step of the shapes.
+    set_
+        Change of the case in all runs, KEY=VALUE; repeatable.
+    only
+        Variant of the case to run. Default: the case itself.
+    output
+        Folder. Default: results/sensitivities_CASE. Finished runs in it are reused.
+    workers
+        Number of processes. Default: the number of processors.
+    """
+    path, changes, folder = changed_case(case, set_, only, output, "sensitivities")
+    tree = read_tree(path, changes)
+    if not by and not shapes:
+        raise BadInput("--by: expected at least one KEY, or --shapes")
+    checked = check_case(tree, path)
+    numbers = for_all(lambda text: number_of(tree, text, path.parent, "--by"), by)
+    skirt = None
+    if shapes:
+        height = length_of("--amplitude", amplitude)
+        skirt = shapes_of(checked, tree, shapes, height, folder / "shapes")
+    space = DesignSpace(tuple(numbers), skirt)
+
+    def watch(done, total, row):
+        tell(f"{done}/{total}  {row['status']:9s}  {row['message']}", markup=False)
+
+    with passing_fmus(folder / "cache"), LocalPool(workers) as executor:
+        runs = Runs(tree, path, space, folder, executor, watch)
+        found, failed = sensitivities(runs, [*directions(checked)])
+    steps = dict.fromkeys(space.names, f"+{amplitude}") | {n.name: n.step_text for n in numbers}
+    _print(found, steps)
+    _write(found, steps, folder / "sensitivities.csv")
+    _draw(found, steps, folder)
+    if skirt:
+        _draw_maps(found, skirt, folder)
+    if failed:
+        say(f"{len(failed)} runs failed: {failed[0]['message']}; call again to try them again")
+        sys.exit(1)
+
+
+def _print(found, steps):
+    """Print a row for each figure, and a column for each variable that is a number."""
+    names = [name for name in steps if not name.startswith("shape ")][:MOST_COLUMNS]
+    if not names:
+        return
+    table = Table("", "value", *(f"{n}, {steps[n]}" for n in names), box=None, pad_edge=False)
+    for figure in dict.fromkeys(one.figure for one in found):
+        own = {one.variable: one for one in found if one.figure == figure}
+        if not any(one.change or one.spread for one in own.values()):
+            continue
+        cells = []
+        value = next(iter(own.values())).value
+        for name in names:
+            one = own.get(name)
+            label, (change, spread) = (
+                entry_shown(figure, [one.change, one.spread]) if one else ("", (0, 0))
+            )
+            text = numbers_text(change, spread) if one else "failed"
+            unit = label.partition("[")[2].rstrip("]")
+            text = f"{text} {unit}".strip()
+            cells.append(text if one is None or one.is_resolved else f"({text})")
+        label, (shown,) = entry_shown(figure, [value])
+        words, _, unit = label.partition(" [")
+        table.add_row(words, f"{shown:.4g} {unit.rstrip(']')}".strip(), *cells)
+    wide_console().print(table, highlight=False, markup=False)
+
+
+MOST_COLUMNS = 6
+"""Number of variables in the printed table; the file has all of them."""
+
+
+def _write(found, steps, path):
+    """Write all sensitivities, in SI units."""
+    with open(path, "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["figure", "variable", "step", "value", "change", "spread"])
+        for one in found:
+            writer.writerow(
+                [one.figure, one.variable, steps[one.variable], one.value, one.change, one.spread]
+            )
+    tell(f"table    {path}")
+
+
+def _draw(found, steps, folder):
+    from ..results.design_pictures import draw_effects
+
+    effects = {}
+    for one in found:
+        if one.value and (one.change or one.spread):
+            words = entry_shown(one.figure, [one.value])[0].partition(" [")[0]
+            percent = 100.0 * one.change / abs(one.value), 100.0 * one.spread / abs(one.value)
+            effects.setdefault(words, {})[one.variable] = percent
+    if effects:
+        tell(f"picture  {draw_effects(effects, steps, folder / 'sensitivities.png')}")
+
+
+def _draw_maps(found, skirt, folder):
+    from ..results.design_pictures import draw_maps
+
+    maps = {}
+    for figure in dict.fromkeys(one.figure for one in found):
+        slopes = {
+            one.variable: one.change / skirt.amplitude for one in found if one.figure == figure
+        }
+        if all(name in slopes for name in skirt.names) and any(slopes[n] for n in skirt.names):
+            values = map_of(skirt, [slopes[name] for name in skirt.names])
+            label, shown = entry_shown(figure, (1e-8 * values).ravel().tolist())
+            words, _, unit = label.partition(" [")
+            title = f"{words} [{unit.rstrip(']') or '1'} per µm on 1 % of the skirt]"
+            maps[title] = shown.reshape(values.shape)
+    if maps:
+        picture = draw_maps(maps, ANGLES, 1e3 * skirt.heights, folder / "maps.png")
+        tell(f"maps     {picture}")

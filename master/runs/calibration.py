@@ -1,0 +1,131 @@
+"""Calibration: numbers of a case for which its curves agree best with measured values.
+
+Eq. (V6):  minimise  sum of r_i^2,   r_i = (y(x_i) - m_i) / sigma_i
+Eq. (V7):  C = s^2 (J^T J)^-1,   J = dr/dp,   s^2 = max(1, sum of r_i^2 / (n - number of p))
+
+y is a curve of the last period, m_i one of n measured values at x_i, and sigma_i its standard
+deviation, for which a quarter of the band of the file is taken. Without a band it is unknown: then
+sigma_i is the range of the curve, and s^2 has no lower bound. The interval of a parameter at 95 %
+is the quantile t of Student times the root of the diagonal of C. Parameters whose correlation in C
+exceeds `ALIKE` cannot be told apart.
+
+The steps are those of Gauss and Newton in a trust region, with bounds [Branch1999]. J is by
+differences of runs, which all run at the same time.
+
+References
+----------
+[Branch1999] M. A. Branch, T. F. Coleman, Y. Li, A subspace, interior, and conjugate gradient method
+for large-scale bound-constrained minimization problems, SIAM J. Sci. Comput. 21 (1999) 1.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import t as student
+
+from ..fmi.errors import BadInput, Stopped
+from .optimisation import STEP
+
+ALIKE = 0.95
+"""Correlation above which two parameters cannot be told apart: our own choice."""
+SETTLED = 1e-4
+"""Relative change of the sum of squares, and of the shares, at which the search ends."""
+UNKNOWN = 1e-10
+"""Smallest share of the largest singular value of J that determines a combination of parameters."""
+
+Residuals = Callable[[Sequence[np.ndarray]], list[np.ndarray | None]]
+"""Residuals r of designs; None for one whose run fails."""
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Result of a calibration.
+
+    shares : of the parameters; half_widths : of their intervals at 95 %, in shares, inf for
+    parameters that the values do not determine; alike : pairs that cannot be told apart, with their
+    correlation; before, after : root mean square of r for the case and for the result.
+    """
+
+    shares: np.ndarray
+    half_widths: np.ndarray
+    alike: list[tuple[int, int, float]]
+    before: float
+    after: float
+
+
+def calibrate(
+    residuals: Residuals, bounds: Sequence[tuple[float, float]], has_bands: bool
+) -> Calibration:
+    """Return the parameters that agree best with measured values.
+
+    Parameters
+    ----------
+    residuals : callable
+        Of designs, Eq. (V6).
+    bounds : sequence of (float, float)
+        Lower and upper share of each parameter.
+    has_bands : bool
+        Whether the residuals are in standard deviations.
+
+    Raises
+    ------
+    BadInput
+        With fewer values than parameters, or if the case itself fails.
+    Stopped
+        If a run fails in the search.
+    """
+    count, low, high = len(bounds), *np.array(bounds).T
+    (first,) = residuals([np.zeros(count)])
+    if first is None:
+        raise BadInput("the case itself: its run fails")
+    if first.size <= count:
+        raise BadInput(f"measured: expected more than {count} values, got {first.size}")
+
+    def values(x):
+        (one,) = residuals([x])
+        if one is None:
+            raise Stopped(f"a run fails at the shares {np.round(x, 3).tolist()} of the ranges")
+        return one
+
+    def slopes(x):
+        steps = np.where(x + STEP <= high, STEP, -STEP)
+        here, moved = values(x), residuals([*(x + np.diag(steps))])
+        if any(one is None for one in moved):
+            raise Stopped("a run fails near the result")
+        return np.array([one - here for one in moved if one is not None]).T / steps
+
+    done = least_squares(
+        values,
+        np.zeros(count),
+        jac=slopes,  # pyright: ignore[reportArgumentType]  # its stubs know the texts alone
+        bounds=(low, high),
+        xtol=SETTLED,
+        ftol=SETTLED,
+    )
+    # Eq. (V7)
+    variance = float(done.fun @ done.fun) / (first.size - count)
+    scale = max(variance, 1.0) if has_bands else variance
+    _, sizes, directions = np.linalg.svd(done.jac, full_matrices=False)
+    determined = sizes > UNKNOWN * max(sizes.max(), 1e-300)
+    inverse = np.divide(1.0, sizes, out=np.zeros(count), where=determined)
+    covariance = scale * (directions.T * inverse**2) @ directions
+    spread = np.sqrt(np.diag(covariance))
+    half_widths = student.ppf(0.975, first.size - count) * spread
+    lost = np.abs(directions[~determined]).max(axis=0, initial=0.0) > UNKNOWN
+    half_widths[lost] = np.inf
+    with np.errstate(invalid="ignore", divide="ignore"):
+        related = covariance / np.outer(spread, spread)
+    return Calibration(
+        shares=done.x,
+        half_widths=half_widths,
+        alike=[
+            (i, k, float(related[i, k]))
+            for i in range(count)
+            for k in range(i + 1, count)
+            if abs(related[i, k]) > ALIKE
+        ],
+        before=float(np.sqrt(np.mean(first**2))),
+        after=float(np.sqrt(np.mean(done.fun**2))),
+    )

@@ -1,0 +1,294 @@
+"""Variables of a design: numbers of a case, and shapes that a profile of the skirt consists of.
+
+A design is a vector x of shares, one for each variable. At x = 0 it is the case itself.
+
+Eq. (V1):  number = its value in the case + x times its scale
+Eq. (V2):  profile(theta, y) = sum of x_k a s_k,   s_k = B_m(y) cos(q (theta - 90 deg)) - its mean
+
+a is the amplitude of the shapes and B_m a cubic B-spline between both ends of the skirt. theta is
+the angle from the pin axis towards the thrust side. The mean over the skirt is zero, so no shape
+changes the mean clearance. All shapes are their own mirror images in the thrust plane. Positive
+values are further from the bore, as in a table of `profiles`.
+"""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from ..case.changes import value_at, whole_key
+from ..case.contract import players
+from ..case.keys import case_keys
+from ..case.schema import Case
+from ..fmi.cache import write_whole
+from ..fmi.errors import BadInput
+from ..fmi.option_classes import Key
+from ..fmi.quantities import one_micro, quantity, to_si
+
+Changes = list[tuple[str, Any]]
+"""Pairs of a dotted key of a case and its value."""
+ANGLES = np.arange(0.0, 360.0, 5.0)
+"""Angles of a table of shapes, from the pin axis towards the thrust side [deg]."""
+HEIGHTS = 81
+"""Heights of a table of shapes."""
+TABLE_UNITS = {"angle_unit": "1 deg", "height_unit": "1 mm", "value_unit": "1 um"}
+
+
+@dataclass(frozen=True)
+class Number:
+    """Number of a case that is varied, Eq. (V1).
+
+    name : as the user wrote it; keys : dotted paths that have the value; value, scale : at x = 0,
+    and for a share of 1, in `unit`, "" for a number without one; step_text : `scale` as the user
+    wrote it.
+    """
+
+    name: str
+    keys: tuple[str, ...]
+    value: float
+    scale: float
+    unit: str
+    step_text: str = ""
+
+    def changes(self, share: float) -> Changes:
+        """Return the changes of the case for a share."""
+        number = float(f"{self.value + share * self.scale:.12g}")  # Eq. (V1)
+        return [(key, f"{number!r} {self.unit}" if self.unit else number) for key in self.keys]
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """Shapes of the profile of a skirt, Eq. (V2).
+
+    names : of the shapes; key : dotted path of the profiles of the piston; before : its value in
+    the case; heights : of the tables above the pin [m]; values : ndarray, shape (n, heights,
+    angles) [-]; amplitude : a [m]; folder : of the tables that are written.
+    """
+
+    names: tuple[str, ...]
+    key: str
+    before: tuple[Any, ...]
+    heights: np.ndarray
+    values: np.ndarray
+    amplitude: float
+    folder: Path
+
+    def profile(self, shares: np.ndarray) -> np.ndarray:
+        """Return the profile of shares, shape (heights, angles) [m]."""
+        return self.amplitude * np.tensordot(np.asarray(shares), self.values, 1)  # Eq. (V2)
+
+    def changes(self, shares: np.ndarray) -> Changes:
+        """Return the changes of the case for shares, none if all are zero; write the table."""
+        if not np.any(shares):
+            return []
+        content = self.table(self.profile(shares))
+        self.folder.mkdir(parents=True, exist_ok=True)
+        path = self.folder / f"{hashlib.sha256(content).hexdigest()[:16]}.csv"
+        if not path.exists():
+            write_whole(path, content)
+        return [(self.key, [*self.before, {"file": str(path)} | TABLE_UNITS])]
+
+    def table(self, profile: np.ndarray) -> bytes:
+        """Return a profile as a table that `profiles` reads, in deg, mm and um."""
+        lines = [",".join(["height [mm] / angle [deg]", *(f"{angle:g}" for angle in ANGLES)])]
+        for height, row in zip(self.heights, profile):
+            lines.append(",".join([f"{1e3 * height:.6g}", *(f"{1e6 * one:.5f}" for one in row)]))
+        return ("\n".join(lines) + "\n").encode()
+
+
+@dataclass(frozen=True)
+class DesignSpace:
+    """All variables of a design: numbers first, then shapes."""
+
+    numbers: tuple[Number, ...]
+    shapes: Shapes | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the variables."""
+        return tuple(one.name for one in self.numbers) + (self.shapes.names if self.shapes else ())
+
+    def changes(self, shares: np.ndarray) -> Changes:
+        """Return the changes of the case for a vector of shares."""
+        split = len(self.numbers)
+        made = [pair for one, x in zip(self.numbers, shares) if x for pair in one.changes(x)]
+        return made + (self.shapes.changes(shares[split:]) if self.shapes else [])
+
+
+def number_of(tree: dict[str, Any], text: str, folder: Path, option: str) -> Number:
+    """Return the number of "KEY" or "KEY=STEP"; keys joined by "+" have one value.
+
+    Without a step it is 2 % of the value.
+
+    Raises
+    ------
+    BadInput
+        For an unknown key, a value that is no number, and a step of another unit or of zero.
+    """
+    name, sign, step = text.partition("=")
+    keys = keys_of(tree, name, folder, option)
+    known = _value_of(tree, keys[0], folder, option)
+    scale = 0.02 * abs(known.magnitude)
+    if sign:
+        scale = in_units_of(known, step, f"{option} {name.strip()}")
+    if not scale:
+        raise BadInput(
+            f"{option} {name.strip()}: expected a step, because the value is zero; write KEY=STEP"
+        )
+    unit = _unit_of(known)
+    text = step.strip() if sign else f"{scale:.3g} {unit}".strip()
+    return Number(name.strip(), keys, known.magnitude, abs(scale), unit, f"+{text.lstrip('+-')}")
+
+
+def keys_of(tree: dict[str, Any], name: str, folder: Path, option: str) -> tuple[str, ...]:
+    """Return the dotted paths of keys joined by "+"."""
+    try:
+        return tuple(whole_key(tree, key.strip(), folder) for key in name.split("+"))
+    except BadInput as error:
+        raise BadInput([f"{option} {line}" for line in error.faults]) from None
+
+
+def range_of(
+    tree: dict[str, Any], text: str, folder: Path, option: str
+) -> tuple[Number, float, float]:
+    """Return the number of "KEY=LOW..HIGH" whose share is 1 at half of the range, and its bounds.
+
+    Raises
+    ------
+    BadInput
+        As `number_of`, and if the value of the case is not in the range.
+    """
+    name, sign, rest = text.partition("=")
+    low, dots, high = rest.partition("..")
+    if not (sign and dots):
+        raise BadInput(f"{option}: expected KEY=LOW..HIGH, got {text!r}")
+    keys = keys_of(tree, name, folder, option)
+    known = _value_of(tree, keys[0], folder, option)
+    ends = [in_units_of(known, end, f"{option} {name.strip()}") for end in (low, high)]
+    if not ends[0] <= known.magnitude <= ends[1] or ends[0] == ends[1]:
+        raise BadInput(
+            f"{option} {name.strip()}: expected a range that contains {known.magnitude:g} "
+            f"{_unit_of(known)}, the value of the case, got {rest}"
+        )
+    scale = 0.5 * (ends[1] - ends[0])
+    bounds = [(end - known.magnitude) / scale for end in ends]
+    return Number(name.strip(), keys, known.magnitude, scale, _unit_of(known)), *bounds
+
+
+def in_units_of(known: Any, text: str, where: str) -> float:
+    """Return a text as a number in the unit of a quantity."""
+    try:
+        return quantity(text.strip()).m_as(known.units)
+    except Exception:  # pint raises errors of many kinds
+        raise BadInput(
+            f"{where}: expected a quantity in {_unit_of(known) or '1'}, got {text.strip()!r}"
+        ) from None
+
+
+def _unit_of(known: Any) -> str:
+    text = one_micro(f"{known.units:~}").replace("\N{MICRO SIGN}", "u")
+    return text.replace(" * ", " ")
+
+
+def _value_of(tree: dict[str, Any], key: str, folder: Path, option: str) -> Any:
+    """Return the value of a key in the case, or its default, as a pint quantity."""
+    try:
+        value = value_at(tree, key, folder)
+    except KeyError:
+        value = next((_default(one) for one in case_keys(tree, folder) if one.path == key), None)
+    try:
+        if isinstance(value, bool) or value is None:
+            raise ValueError
+        return quantity(str(value))
+    except ValueError:
+        shown = "nothing" if value is None else repr(value)
+        raise BadInput(
+            f"{option} {key}: expected a key whose value is a number, got {shown}"
+        ) from None
+
+
+def _default(key: Key) -> str:
+    """Return the default of a key with its unit."""
+    return f"{key.default} {key.unit}" if key.default in ("0", "0.0") else key.default
+
+
+def shapes_of(
+    case: Case, tree: dict[str, Any], size: str, amplitude: float, folder: Path
+) -> Shapes:
+    """Return the shapes of the skirt of a case.
+
+    Parameters
+    ----------
+    case : Case
+        Its axes give the ends of the skirt.
+    tree : dict
+    size : str
+        "HEIGHTSxORDERS": number of splines and of orders q = 0, 1, ...
+    amplitude : float
+        a > 0 [m].
+    folder : Path
+        Folder of the tables that are written.
+
+    Raises
+    ------
+    BadInput
+        Without one piston and one film, without axes with heights, or for another size.
+    """
+    films, bodies = (players(tree, role) for role in ("lubrication", "bodies"))
+    piston = (
+        tree["participants"].get(bodies[0], {}).get("build", {}).get("piston") if bodies else None
+    )
+    if len(films) != 1 or not isinstance(piston, dict):
+        raise BadInput("--shapes: expected a case with one film and a table build.piston")
+    axis = case.axes_of(f"{films[0]}.pressure").second
+    if not axis.unit:
+        raise BadInput("--shapes: expected a case with [[axes]] that give the heights of the skirt")
+    splines, orders = _size(size)
+    lower, upper = (to_si(f"{end} {axis.unit}", "m") for end in axis.range)
+    heights = np.linspace(lower, upper, HEIGHTS)
+    names, values = shape_functions((heights - lower) / (upper - lower), splines, orders)
+    key = f"participants.{bodies[0]}.build.piston.profiles"
+    before = tuple(piston.get("profiles", ()))
+    return Shapes(names, key, before, heights, values, amplitude, folder)
+
+
+def _size(text: str) -> tuple[int, int]:
+    splines, _, orders = text.partition("x")
+    if splines.isdecimal() and orders.isdecimal():
+        if 4 <= int(splines) <= 12 and 1 <= int(orders) <= 8:
+            return int(splines), int(orders)
+    raise BadInput(f"--shapes: expected HEIGHTSxORDERS, 4x1 to 12x8, got {text!r}")
+
+
+def shape_functions(
+    place: np.ndarray, splines: int, orders: int
+) -> tuple[tuple[str, ...], np.ndarray]:
+    """Return the names and the values of the shapes s_k of Eq. (V2).
+
+    Parameters
+    ----------
+    place : ndarray, shape (n,)
+        Heights as shares of the skirt, 0 to 1.
+    splines, orders : int
+        Number of B-splines >= 4, and of orders >= 1.
+
+    Returns
+    -------
+    names : tuple of str
+    values : ndarray, shape (splines orders - 1, n, angles)
+        [-]. The splines of order 0 sum to a constant, so the last of them is omitted.
+    """
+    knots = np.concatenate([[0.0] * 3, np.linspace(0.0, 1.0, splines - 2), [1.0] * 3])
+    spline = BSpline(knots, np.eye(splines), 3)(place).T
+    turn = np.radians(ANGLES - 90.0)
+    names, values = [], []
+    for order in range(orders):
+        around = np.cos(order * turn)
+        for k in range(splines - (order == 0)):
+            value = spline[k][:, None] * around
+            names.append(f"shape {k + 1} cos {order}")
+            values.append(value - value.mean())  # Eq. (V2)
+    return tuple(names), np.array(values)

@@ -1,0 +1,268 @@
+"""Optimisation of a design: the best value of one figure, within limits on others.
+
+Eq. (V4):  minimise  J(x) = sum over points of s f(x) / |f(0)| / number of points
+           with  g(x) = s (limit - f(x)) / |limit| >= 0  for each limit and point, and bounds of x
+
+f is a figure of a run, s is 1 if less is better and -1 if more is better; points are the operating
+points of the engine. A limit without a value is the figure of the case itself at this point.
+
+Gradients are differences of runs over `STEP` of a variable's share, which all run at the same time.
+Sequential quadratic programming [Kraft1988] takes them. Runs scatter, so the result is the best
+design of all that keep the limits to `TOLERANCE`, not the last one. Designs that fail count as bad.
+
+References
+----------
+[Kraft1988] D. Kraft, A software package for sequential quadratic programming, DFVLR-FB 88-28, 1988.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize, nnls
+
+from ..fmi.errors import BadInput, unknown
+from ..fmi.quantities import to_si
+from ..results.words import ENDINGS
+from .design_space import Changes
+from .sensitivities import Row, Runs
+
+STEP = 0.05
+"""Difference of a share for a gradient: a compromise of curvature and scatter of runs."""
+TOLERANCE = 2e-3
+"""Relative excess over a limit that counts as none; runs that settle to 1e-3 scatter by less."""
+CLOSE = 1e-2
+"""Relative distance up to which a limit counts as active."""
+SETTLED = 1e-4
+"""Change of J in an iteration at which the search ends."""
+BAD = 10.0
+"""J of a design whose run fails; that of the case itself is 1 or -1."""
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Limit on a figure.
+
+    sign : 1 for at most, -1 for at least; value : in the SI unit of the figure, None for the
+    figure of the case itself.
+    """
+
+    figure: str
+    sign: float
+    value: float | None = None
+
+
+LIMIT_FORMS = "FIGURE, FIGURE<=VALUE or FIGURE>=VALUE"
+
+
+def known_figure(name: str, directions: Mapping[str, str], option: str) -> str:
+    """Return the name of a figure, a key of `directions`; raise `BadInput` for another one."""
+    if name not in directions:
+        raise BadInput(f"{option}: {unknown('figure', name, directions)}")
+    return name
+
+
+def limit_of(text: str, directions: Mapping[str, str]) -> Limit:
+    """Return the limit of one of `LIMIT_FORMS`; `directions` : "raise", "lower", "none" by figure.
+
+    Raises
+    ------
+    BadInput
+        For an unknown figure, a value of another unit, and a figure without direction and value.
+    """
+    for sign, symbol in ((1.0, "<="), (-1.0, ">=")):
+        name, sign_is_there, value = text.partition(symbol)
+        if sign_is_there:
+            figure = known_figure(name.strip(), directions, "--limit")
+            try:
+                return Limit(figure, sign, to_si(value.strip(), unit_of(figure)))
+            except ValueError as error:
+                raise BadInput(f"--limit {figure}: {error}") from None
+    figure = known_figure(text.strip(), directions, "--limit")
+    if directions[figure] == "none":
+        raise BadInput(f"--limit {figure}: expected FIGURE<=VALUE or FIGURE>=VALUE, got no value")
+    return Limit(figure, -1.0 if directions[figure] == "raise" else 1.0)
+
+
+def unit_of(figure: str) -> str:
+    """Return the SI unit at the end of the name of a figure, "1" without one."""
+    ending = next((one for one in ENDINGS if figure.endswith(one)), "")
+    unit = ENDINGS.get(ending, "1")
+    return {"m³/s": "m3/s", "N m": "N.m"}.get(unit, unit)
+
+
+@dataclass(frozen=True)
+class Task:
+    """What to optimise.
+
+    goal : figure; sign : 1 if less is better, -1 if more; limits; points : changes of the case at
+    each operating point; bounds : lower and upper share of each variable; gradients : at most.
+    """
+
+    goal: str
+    sign: float
+    limits: tuple[Limit, ...]
+    points: tuple[Changes, ...]
+    bounds: tuple[tuple[float, float], ...]
+    gradients: int = 15
+
+
+@dataclass(frozen=True)
+class Active:
+    """Limit that the result reaches.
+
+    multiplier : relative change of the goal per relative change of the limit [-].
+    """
+
+    limit: Limit
+    point: int
+    multiplier: float
+
+
+class Trial(NamedTuple):
+    """Design that was run: its shares, J, and the smallest g, at most 0."""
+
+    shares: np.ndarray
+    value: float
+    slack: float
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """Result of an optimisation.
+
+    shares : of the variables; before, after : J of the case itself and of the result; active;
+    history : all designs in their order; gradient : of J to the shares;
+    message : why the search ended.
+    """
+
+    shares: np.ndarray
+    before: float
+    after: float
+    active: list[Active]
+    history: list[Trial]
+    gradient: np.ndarray
+    message: str
+
+
+@dataclass
+class Search:
+    """Designs that were run, and their objective and limits, Eq. (V4)."""
+
+    task: Task
+    runs: Runs
+    watch: Callable[[float, float], object] = lambda value, slack: None
+    base: list[Row] = field(default_factory=list[Row])
+    known: dict[bytes, tuple[float, np.ndarray]] = field(default_factory=dict)
+    slopes: dict[bytes, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    history: list[Trial] = field(default_factory=list[Trial])
+
+    def start(self) -> None:
+        """Run the case itself at all points.
+
+        Raises
+        ------
+        BadInput
+            If one of these runs fails, or has no such figure.
+        """
+        self.base = self.runs.rows([np.zeros(len(self.task.bounds))], self.task.points)
+        for row in self.base:
+            if row["status"] != "done":
+                raise BadInput(f"the case itself: {row['message']}")
+
+    def result(self, rows: Sequence[Row]) -> tuple[float, np.ndarray] | None:
+        """Return J and all g of the rows of one design, None if a run failed; Eq. (V4)."""
+        task = self.task
+        if any(row["status"] != "done" for row in rows):
+            return None
+        shares = [row[task.goal] / abs(base[task.goal]) for row, base in zip(rows, self.base)]
+        slack = []
+        for one in task.limits:
+            for row, base in zip(rows, self.base):
+                limit = base[one.figure] if one.value is None else one.value
+                # Eq. (V4)
+                slack.append(one.sign * (limit - row[one.figure]) / max(abs(limit), 1e-300))
+        return task.sign * float(np.mean(shares)), np.array(slack)
+
+    def at(self, x: np.ndarray) -> tuple[float, np.ndarray]:
+        """Return J and all g of a design."""
+        key = x.tobytes()
+        if key not in self.known:
+            found = self.result(self.runs.rows([x], self.task.points))
+            count = len(self.task.limits) * len(self.task.points)
+            self.known[key] = found or (BAD, np.full(count, -1.0))
+            value, slack = self.known[key]
+            self.history.append(Trial(x.copy(), value, float(slack.min(initial=0.0))))
+            self.watch(value, self.history[-1].slack)
+        return self.known[key]
+
+    def slope(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the gradients of J, shape (n,), and of all g, shape (m, n), at a design."""
+        key = x.tobytes()
+        if key not in self.slopes:
+            value, slack = self.at(x)
+            steps = np.array(
+                [
+                    STEP if one + STEP <= high else -STEP
+                    for one, (_, high) in zip(x, self.task.bounds)
+                ]
+            )
+            count = len(self.task.points)
+            rows = self.runs.rows([*(x + np.diag(steps))], self.task.points)
+            slopes = []
+            for k, step in enumerate(steps):
+                found = self.result(rows[k * count : (k + 1) * count])
+                moved = found or (value, slack)  # no slope from a run that failed
+                slopes.append(((moved[0] - value) / step, (moved[1] - slack) / step))
+            self.slopes[key] = np.array([s[0] for s in slopes]), np.array([s[1] for s in slopes]).T
+        return self.slopes[key]
+
+
+def optimise(search: Search) -> Optimum:
+    """Return the best design that the search finds.
+
+    Raises
+    ------
+    BadInput
+        If the case itself fails.
+    """
+    task = search.task
+    search.start()
+    zero = np.zeros(len(task.bounds))
+    before = search.at(zero)[0]
+    within = {"type": "ineq", "fun": lambda x: search.at(x)[1], "jac": lambda x: search.slope(x)[1]}
+    done = minimize(
+        lambda x: search.at(x)[0],
+        zero,
+        jac=lambda x: search.slope(x)[0],
+        method="SLSQP",
+        bounds=task.bounds,
+        constraints=[within] if task.limits else [],
+        options={"maxiter": task.gradients, "ftol": SETTLED},
+    )
+    kept = [one for one in search.history if one.slack >= -TOLERANCE]
+    best, after, _ = min(kept or search.history, key=lambda one: one.value)
+    gradient, slopes = search.slope(best)
+    return Optimum(
+        shares=best,
+        before=before,
+        after=after,
+        active=_active(search, best, gradient, slopes),
+        history=search.history,
+        gradient=gradient,
+        message=done.message,
+    )
+
+
+def _active(search, x, gradient, slopes):
+    """Return the active limits with their multipliers: grad J = sum of multiplier grad g."""
+    task, slack = search.task, search.at(x)[1]
+    free = np.array([low + STEP < one < high - STEP for one, (low, high) in zip(x, task.bounds)])
+    active = [k for k, one in enumerate(slack) if one <= CLOSE]
+    if not active or not free.any():
+        return []
+    multipliers, _ = nnls(slopes[active][:, free].T, gradient[free])
+    count = len(task.points)
+    pairs = zip(active, multipliers)
+    return [Active(task.limits[k // count], k % count, float(one)) for k, one in pairs]
