@@ -36,7 +36,8 @@ def command(
     cannot tell apart. It writes them to calibration.csv, and the results of the case and of the
     fit. A repeated call reuses finished runs.
 
-    Example: piston-cosim calibrate data_sheet --measured bench.csv --vary viscosity=4mPas..12mPas
+    Example: piston-cosim calibrate data_sheet --measured bench.csv
+    --vary "viscosity=4 mPa s..14 mPa s"
 
     Parameters
     ----------

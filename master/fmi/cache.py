@@ -30,7 +30,9 @@ def cache_folder(kind: str) -> Path:
 
 
 MANY = ("fmus", "unpacked")
-"""Kinds of which every change of a case adds a folder or file."""
+"""Kinds to which every change of a case adds a file or folder."""
+COSTLY = ("bodies", "code", "native")
+"""Kinds that take minutes to make anew."""
 
 
 @contextmanager
@@ -40,7 +42,7 @@ def passing_fmus(folder: Path) -> Generator[None]:
     Everything else, such as compiled code and reduced bodies, is that of the user's cache.
     """
     before = os.environ.get("PISTON_COSIM_CACHE")
-    root = cache_folder("fmus").parent
+    (root,) = {cache_folder(kind).parent for kind in COSTLY}
     folder.mkdir(parents=True, exist_ok=True)
     for own in root.iterdir():
         with suppress(FileExistsError):

@@ -31,7 +31,7 @@ SLOW = (
     *("run twin *", "run flexible_twin*", "run elastic_tube", "run engine.ssp"),
     *("run data_sheet --set native=true", "run data_sheet * --bodies *", "run data_sheet * jfo *"),
     *("sweep numerical_example *", "sweep fired_motorcycle *", "sweep data_sheet *"),
-    *("sweep models/measured/piston_slap *", "sensitivities *", "optimise *"),
+    *("sweep models/measured/piston_slap *", "sensitivities *", "optimise *", "calibrate *"),
     *(
         "sweep my_engine *",
         "study my_engine grid",
@@ -118,7 +118,10 @@ def words_of(command, folder):
     words = shlex.split(command.replace("$PWD", str(folder)))
     if "--time" in words:
         words[words.index("--time") + 1] = "0 ms"
-    if words[0] in ("run", "sweep", "study", "sensitivities", "optimise") and "--help" not in words:
+    if (
+        words[0] in ("run", "sweep", "study", "sensitivities", "optimise", "calibrate")
+        and "--help" not in words
+    ):
         stop = STOPS.get(words[1], "2 deg" if "step" not in command else "8 deg")
         words += ["--output", "results/swapped"] if "--bodies" in words else []  # no mesh
         words += ["--set", f"time.stop={stop}"] if stop else []
