@@ -206,13 +206,15 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         beam = pin_beam(fit.piston_radius, fit.pin_span, setup.pin_shapes, p)
         put_beam(films, beam, setup.pin_rows, setup.pin_lengths, p)
         omega, shapes, spin = beam.omega, beam_shapes(beam), spin_inertia(beam.pin)
+    if p.pin_inertia > 0.0:
+        spin = p.pin_inertia
     others = np.concatenate((setup.block_omega, omega, omega, setup.shell_omega))
     block = len(setup.block_omega)
     cylinder = CylinderParts(
         piston=setup.piston,
         moving=moving_modes(setup.piston_omega, p.quasi_static_frequency),
         mechanism=mechanism(fit.piston_radius, fit.pin_offset, p),
-        spin_inertia=p.pin_inertia if p.pin_inertia > 0.0 else spin,
+        spin_inertia=spin,
         crank_mass=p.crank_mass,
         unbalance=p.crank_unbalance,
         floats=fit.floats,
