@@ -240,6 +240,8 @@ def deviations(results, measured) -> np.ndarray:
         spread = np.full(x.size, np.ptp(column.values) or 1.0)
         if column.low is not None and column.high is not None:
             spread = 0.25 * (column.high - column.low)
+            if not np.all(spread > 0.0):
+                raise BadInput(f"measured {port}: expected a band wider than 0, got one of 0")
         shares.append((values - column.values[inside]) / spread[inside])  # Eq. (V6)
     return np.concatenate(shares)
 
