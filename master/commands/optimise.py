@@ -120,7 +120,7 @@ def command(
     task = Task(goal, sign, tuple(limits), tuple(points), bounds, gradients)
 
     def watch(value, slack):
-        excess = "" if slack >= -TOLERANCE else f", {-100 * slack:.1f} % above a limit"
+        excess = "" if slack >= -TOLERANCE else f", {-100 * slack:.1f} % beyond a limit"
         tell(f"design {len(search.history)}: {100 * abs(value):.2f} % of the case{excess}")
 
     with use_of(folder), LocalPool(workers) as executor:
@@ -136,7 +136,7 @@ def command(
     _write(space, found, folder)
     _draw(space, found, folder, skirt)
     if found.slack < -TOLERANCE:
-        say(f"no design keeps all limits; this one is {-100 * found.slack:.1f} % above one of them")
+        say(f"no design keeps all limits; this one is {-100 * found.slack:.1f} % beyond one")
     if not is_whole or found.slack < -TOLERANCE:
         sys.exit(1)
 
