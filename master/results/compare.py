@@ -232,6 +232,8 @@ def deviations(results, measured) -> np.ndarray:
     (x_port, (x, x_unit, *_)), *columns = measured.items()
     curve_x, si_x, _ = results.series(x_port)
     curve_x = curve_x / _factor(x_unit, si_x)
+    if np.any(np.diff(curve_x) < 0.0):
+        raise BadInput(f"measured {x_port}: expected a first column that rises in the run")
     inside = (x >= curve_x[0]) & (x <= curve_x[-1])
     shares = []
     for port, column in columns:

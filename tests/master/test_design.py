@@ -348,12 +348,14 @@ def test_parameters_that_act_alike_are_named():
 class Recorded:
     """Results of a run whose curve is twice its abscissa."""
 
-    ports = ("a.angle", "a.height")
+    ports = ("a.angle", "a.height", "a.fall")
 
     def series(self, port):
         x = np.radians(np.linspace(0.0, 90.0, 10))
         if port == "a.angle":
             return Series(x, "rad", "")
+        if port == "a.fall":
+            return Series(-x, "m", "")
         return Series(2e-3 * np.degrees(x), "m", "")
 
 
@@ -367,6 +369,12 @@ def test_deviations_are_in_quarters_of_the_band():
     narrow = Measured(height, "mm", height, height)
     with pytest.raises(BadInput, match="a.height: expected a band wider than 0"):
         deviations(Recorded(), columns | {"a.height": narrow})
+
+
+def test_an_abscissa_that_falls_in_the_run_is_refused():
+    columns = {"a.fall": Measured(np.ones(1), "m"), "a.height": Measured(np.ones(1), "m")}
+    with pytest.raises(BadInput, match="a.fall: expected a first column that rises in the run"):
+        deviations(Recorded(), columns)
 
 
 def test_runs_that_cover_other_numbers_of_values_are_refused():
