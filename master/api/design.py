@@ -9,7 +9,7 @@ from ..engine.measures import directions
 from ..fmi.errors import BadInput, for_all
 from ..runs.design_space import DesignSpace, number_of
 from ..runs.pool import LocalPool
-from ..runs.sensitivities import Runs, Sensitivity
+from ..runs.sensitivities import Runs, Sensitivity, use_of
 from ..runs.sensitivities import sensitivities as sensitivities_of
 from .cases import Case
 
@@ -56,7 +56,7 @@ def sensitivities(
     folder = Path(output or Path("results") / f"sensitivities_{case.name}").absolute()
     texts = [key if step is None else f"{key}={step}" for key, step in by.items()]
     numbers = for_all(lambda text: number_of(case.tree, text, case.path.parent, "by"), texts)
-    with LocalPool(workers) as executor:
+    with use_of(folder), LocalPool(workers) as executor:
         runs = Runs(case.tree, case.path, DesignSpace(tuple(numbers)), folder, executor)
         known, failed = sensitivities_of(runs, [*directions(check_case(case.tree, case.path))])
     for row in failed:

@@ -7,7 +7,6 @@ import numpy as np
 from rich.table import Table
 
 from ..case.reading import read_tree
-from ..fmi.cache import passing_fmus
 from ..fmi.errors import for_all
 from ..fmi.quantities import numbers_text
 from ..results.compare import deviations, read_measured
@@ -15,7 +14,7 @@ from ..results.file import Results
 from ..runs.calibration import calibrate
 from ..runs.design_space import DesignSpace, range_of
 from ..runs.pool import LocalPool
-from ..runs.sensitivities import Runs
+from ..runs.sensitivities import Runs, use_of
 from .common import Changes, Only, OutputFolder, Workers, changed_case, console, say, tell
 
 
@@ -64,7 +63,7 @@ def command(
     numbers = [number for number, *_ in ranges]
     bounds = [(low, high) for _, low, high in ranges]
     has_bands = all(one.low is not None for one in [*columns.values()][1:])
-    with passing_fmus(folder / "cache"), LocalPool(workers) as executor:
+    with use_of(folder), LocalPool(workers) as executor:
         runs = Runs(tree, path, DesignSpace(tuple(numbers)), folder, executor)
 
         def residuals(designs):
@@ -76,13 +75,16 @@ def command(
                 else:
                     say(f"a run failed: {row['message']}")
                     shown.append(None)
-            if len(shown) == 1 and shown[0] is not None:
+            if len(shown) == 1 and shown[0] is not None and shown[0].size:
                 tell(f"rms deviation {np.sqrt(np.mean(shown[0] ** 2)):.4g}")
             return shown
 
         fit = calibrate(residuals, bounds, has_bands)
         before, after = runs.rows([np.zeros(len(numbers)), fit.shares])
     _print(numbers, fit)
+    for number, share, ends in zip(numbers, fit.shares, bounds):
+        if np.abs(np.subtract(ends, share)).min() < AT_END:
+            say(f"warning: {number.name} ends at an end of its range; its interval does not count")
     for name, row in (("case", before), ("result", after)):
         tell(f"results  {name}: {row['results']}")
     with open(folder / "calibration.csv", "w", newline="") as file:
@@ -92,6 +94,10 @@ def command(
             value = number.value + share * number.scale
             writer.writerow([number.name, value, half * number.scale, number.unit])
     tell(f"table    {folder / 'calibration.csv'}")
+
+
+AT_END = 1e-3
+"""Distance in shares up to which a number is at an end of its range."""
 
 
 def _print(numbers, fit):

@@ -1,22 +1,25 @@
 """`piston-cosim optimise`."""
 
 import csv
+import re
+import sys
 from contextlib import ExitStack
 from typing import Annotated
 
 import numpy as np
 from cyclopts import Parameter
 
+from ..case.changes import whole_key
 from ..case.checked import check_case
 from ..case.reading import read_tree
 from ..engine.measures import directions
-from ..fmi.cache import passing_fmus, write_whole
+from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, for_all
 from ..results.words import entry_in_words
 from ..runs.design_space import ANGLES, DesignSpace, range_of, shapes_of
 from ..runs.optimisation import TOLERANCE, Search, Task, known_figure, limit_of, optimise
 from ..runs.pool import LocalPool
-from ..runs.sensitivities import Runs, map_of
+from ..runs.sensitivities import Runs, map_of, use_of
 from .common import (
     Changes,
     Only,
@@ -106,16 +109,21 @@ def command(
         height = length_of("--amplitude", amplitude)
         skirt = shapes_of(checked, tree, shapes, height, folder / "shapes")
     space = DesignSpace(tuple(number for number, *_ in ranges), skirt)
+    for_all(
+        lambda key: _check_point(tree, key, path.parent, space), [k for p in points for k, _ in p]
+    )
+    if ways[goal] == "none":
+        say(f"warning: GOAL: a design wants {goal} neither lower nor higher; the search lowers it")
     count = len(space.names) - len(ranges)
     bounds = tuple((low, high) for _, low, high in ranges) + ((-1.0, 1.0),) * count
     sign = -1.0 if ways[goal] == "raise" else 1.0
     task = Task(goal, sign, tuple(limits), tuple(points), bounds, gradients)
 
     def watch(value, slack):
-        excess = "" if slack >= -TOLERANCE else f", {-100 * slack:.1f} % above a limit"
+        excess = "" if slack >= -TOLERANCE else f", {-100 * slack:.1f} % beyond a limit"
         tell(f"design {len(search.history)}: {100 * abs(value):.2f} % of the case{excess}")
 
-    with passing_fmus(folder / "cache"), LocalPool(workers) as executor:
+    with use_of(folder), LocalPool(workers) as executor:
         lean = tree | {"record": tree.get("record", {}) | {"fields": []}}
         search = Search(task, Runs(lean, path, space, folder, executor, keeps=False), watch)
         found = optimise(search)
@@ -123,22 +131,36 @@ def command(
         designs = [found.shares, np.zeros(len(bounds))]
         rows = whole.rows(designs, task.points, uncertainty)
     tell(f"{found.message}: {abs(found.after / found.before) - 1.0:+.2%} of {entry_in_words(goal)}")
-    _compare(rows, points)
+    is_whole = _compare(rows, points)
     _say_active(found, points)
     _write(space, found, folder)
     _draw(space, found, folder, skirt)
+    if found.slack < -TOLERANCE:
+        say(f"no design keeps all limits; this one is {-100 * found.slack:.1f} % beyond one")
+    if not is_whole or found.slack < -TOLERANCE:
+        sys.exit(1)
 
 
 def _point(text):
     """Return the changes of an operating point."""
     try:
-        return for_all(parse_change, text.split(","))
+        return for_all(parse_change, re.split(r",(?=[^,=]*=)", text))  # not inside a list
     except BadInput as error:
         raise BadInput([line.replace("--set", "--at") for line in error.faults]) from None
 
 
+def _check_point(tree, key, folder, space):
+    """Raise `BadInput` if the key of an operating point is unknown or varied."""
+    try:
+        whole = whole_key(tree, key, folder)
+    except BadInput as error:
+        raise BadInput([f"--at {line}" for line in error.faults]) from None
+    if any(whole in one.keys for one in space.numbers):
+        raise BadInput(f"--at {key}: expected a key that is not varied, got one of --vary")
+
+
 def _compare(rows, points):
-    """Print the comparison of case and result at each point, and keep their results files."""
+    """Print the comparison of case and result at each point; return whether all have finished."""
     from ..results.file import Results
 
     for k, (point, after, before) in enumerate(zip(points, rows, rows[len(points) :])):
@@ -146,7 +168,7 @@ def _compare(rows, points):
         for name, row in (("result", after), ("case", before)):
             if row["status"] != "done":
                 say(f"warning: {name}: {row['message']}")
-                return
+                return False
             files[name] = row["results"]
         if len(points) > 1:
             tell(", ".join(f"{key} {value}" for key, value in point) or "the case", markup=False)
@@ -154,6 +176,7 @@ def _compare(rows, points):
             print_compared({n: opened.enter_context(Results(f)) for n, f in files.items()})
         for name, file in files.items():
             tell(f"results  {name}{f', point {k + 1}' if len(points) > 1 else ''}: {file}")
+    return True
 
 
 def _say_active(found, points):

@@ -8,13 +8,12 @@ from rich.table import Table
 from ..case.checked import check_case
 from ..case.reading import read_tree
 from ..engine.measures import directions
-from ..fmi.cache import passing_fmus
 from ..fmi.errors import BadInput, for_all
 from ..fmi.quantities import numbers_text
 from ..results.words import entry_shown
 from ..runs.design_space import ANGLES, DesignSpace, number_of, shapes_of
 from ..runs.pool import LocalPool
-from ..runs.sensitivities import Runs, map_of, sensitivities
+from ..runs.sensitivities import Runs, map_of, sensitivities, use_of
 from .common import (
     Changes,
     Only,
@@ -85,7 +84,7 @@ def command(
     def watch(done, total, row):
         tell(f"{done}/{total}  {row['status']:9s}  {row['message']}", markup=False)
 
-    with passing_fmus(folder / "cache"), LocalPool(workers) as executor:
+    with use_of(folder), LocalPool(workers) as executor:
         runs = Runs(tree, path, space, folder, executor, watch)
         found, failed = sensitivities(runs, [*directions(checked)])
     steps = dict.fromkeys(space.names, f"+{amplitude}") | {n.name: n.step_text for n in numbers}

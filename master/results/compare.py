@@ -232,6 +232,8 @@ def deviations(results, measured) -> np.ndarray:
     (x_port, (x, x_unit, *_)), *columns = measured.items()
     curve_x, si_x, _ = results.series(x_port)
     curve_x = curve_x / _factor(x_unit, si_x)
+    if np.any(np.diff(curve_x) < 0.0):
+        raise BadInput(f"measured {x_port}: expected a first column that rises in the run")
     inside = (x >= curve_x[0]) & (x <= curve_x[-1])
     shares = []
     for port, column in columns:
@@ -240,6 +242,8 @@ def deviations(results, measured) -> np.ndarray:
         spread = np.full(x.size, np.ptp(column.values) or 1.0)
         if column.low is not None and column.high is not None:
             spread = 0.25 * (column.high - column.low)
+            if not np.all(spread > 0.0):
+                raise BadInput(f"measured {port}: expected a band wider than 0, got one of 0")
         shares.append((values - column.values[inside]) / spread[inside])  # Eq. (V6)
     return np.concatenate(shares)
 

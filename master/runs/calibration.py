@@ -81,20 +81,30 @@ def calibrate(
     if first is None:
         raise BadInput("the case itself: its run fails")
     if first.size <= count:
-        raise BadInput(f"measured: expected more than {count} values, got {first.size}")
+        raise BadInput(
+            f"measured: expected more than {count} values within the run, got {first.size}"
+        )
+
+    def alike_in_size(one):
+        if one.size != first.size:
+            raise BadInput(
+                f"measured: expected values within all runs, got {first.size} within the case "
+                f"and {one.size} within another run"
+            )
+        return one
 
     def values(x):
         (one,) = residuals([x])
         if one is None:
             raise Stopped(f"a run fails at the shares {np.round(x, 3).tolist()} of the ranges")
-        return one
+        return alike_in_size(one)
 
     def slopes(x):
         steps = np.where(x + STEP <= high, STEP, -STEP)
         here, moved = values(x), residuals([*(x + np.diag(steps))])
         if any(one is None for one in moved):
             raise Stopped("a run fails near the result")
-        return np.array([one - here for one in moved if one is not None]).T / steps
+        return np.array([alike_in_size(one) - here for one in moved if one is not None]).T / steps
 
     done = least_squares(
         values,

@@ -12,6 +12,7 @@ values are further from the bore, as in a table of `profiles`.
 """
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,7 +27,7 @@ from ..case.schema import Case
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput
 from ..fmi.option_classes import Key
-from ..fmi.quantities import one_micro, quantity, to_si
+from ..fmi.quantities import are_compatible, one_micro, quantity, registry, to_si
 
 Changes = list[tuple[str, Any]]
 """Pairs of a dotted key of a case and its value."""
@@ -106,6 +107,12 @@ class DesignSpace:
     numbers: tuple[Number, ...]
     shapes: Shapes | None = None
 
+    def __post_init__(self) -> None:
+        """Raise `BadInput` if several variables have one key."""
+        keys = [key for one in self.numbers for key in one.keys]
+        if repeated := next((key for k, key in enumerate(keys) if key in keys[:k]), None):
+            raise BadInput(f"{repeated}: expected the key in one variable, got it in several")
+
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the variables."""
@@ -130,10 +137,10 @@ def number_of(tree: dict[str, Any], text: str, folder: Path, option: str) -> Num
     """
     name, sign, step = text.partition("=")
     keys = keys_of(tree, name, folder, option)
-    known = _value_of(tree, keys[0], folder, option)
+    known = _common_value(tree, keys, folder, option)
     scale = 0.02 * abs(known.magnitude)
     if sign:
-        scale = in_units_of(known, step, f"{option} {name.strip()}")
+        scale = in_units_of(known, step, f"{option} {name.strip()}", is_difference=True)
     if not scale:
         raise BadInput(
             f"{option} {name.strip()}: expected a step, because the value is zero; write KEY=STEP"
@@ -166,7 +173,7 @@ def range_of(
     if not (sign and dots):
         raise BadInput(f"{option}: expected KEY=LOW..HIGH, got {text!r}")
     keys = keys_of(tree, name, folder, option)
-    known = _value_of(tree, keys[0], folder, option)
+    known = _common_value(tree, keys, folder, option)
     ends = [in_units_of(known, end, f"{option} {name.strip()}") for end in (low, high)]
     if not ends[0] <= known.magnitude <= ends[1] or ends[0] == ends[1]:
         raise BadInput(
@@ -178,10 +185,18 @@ def range_of(
     return Number(name.strip(), keys, known.magnitude, scale, _unit_of(known)), *bounds
 
 
-def in_units_of(known: Any, text: str, where: str) -> float:
-    """Return a text as a number in the unit of a quantity."""
+def in_units_of(known: Any, text: str, where: str, is_difference: bool = False) -> float:
+    """Return a text as a number in the unit of a quantity.
+
+    As a difference, 5 K and 5 degC are the same.
+    """
     try:
-        return quantity(text.strip()).m_as(known.units)
+        made = quantity(text.strip())
+        if not are_compatible(made.units, known.units):
+            raise ValueError(text)
+        number = made.m_as(known.units)
+        zero = 0.0 if not is_difference else registry().Quantity(0.0, made.units).m_as(known.units)
+        return number - zero
     except Exception:  # pint raises errors of many kinds
         raise BadInput(
             f"{where}: expected a quantity in {_unit_of(known) or '1'}, got {text.strip()!r}"
@@ -191,6 +206,19 @@ def in_units_of(known: Any, text: str, where: str) -> float:
 def _unit_of(known: Any) -> str:
     text = one_micro(f"{known.units:~}").replace("\N{MICRO SIGN}", "u")
     return text.replace(" * ", " ")
+
+
+def _common_value(tree: dict[str, Any], keys: Sequence[str], folder: Path, option: str) -> Any:
+    """Return the value that all keys have; raise `BadInput` if they have different ones."""
+    known, *others = (_value_of(tree, key, folder, option) for key in keys)
+    for other in others:
+        alike = are_compatible(known.units, other.units)
+        if not alike or not np.isclose(other.m_as(known.units), known.magnitude, 1e-9, 0.0):
+            shown = [f"{one.magnitude:g} {_unit_of(one)}".strip() for one in (known, other)]
+            raise BadInput(
+                f"{option} {'+'.join(keys)}: expected keys of one value, got {' and '.join(shown)}"
+            )
+    return known
 
 
 def _value_of(tree: dict[str, Any], key: str, folder: Path, option: str) -> Any:

@@ -3,6 +3,8 @@
 Eq. (V4):  minimise  J(x) = sum over points of s f(x) / |f(0)| / number of points
            with  g(x) = s (limit - f(x)) / |limit| >= 0  for each limit and point, and bounds of x
 
+A limit of zero is divided by |f(0)| instead.
+
 f is a figure of a run, s is 1 if less is better and -1 if more is better; points are the operating
 points of the engine. A limit without a value is the figure of the case itself at this point.
 
@@ -79,6 +81,8 @@ def limit_of(text: str, directions: Mapping[str, str]) -> Limit:
                 return Limit(figure, sign, to_si(value.strip(), unit_of(figure)))
             except ValueError as error:
                 raise BadInput(f"--limit {figure}: {error}") from None
+    if any(one in text for one in "<>="):
+        raise BadInput(f"--limit: expected {LIMIT_FORMS}, got {text!r}")
     figure = known_figure(text.strip(), directions, "--limit")
     if directions[figure] == "none":
         raise BadInput(f"--limit {figure}: expected FIGURE<=VALUE or FIGURE>=VALUE, got no value")
@@ -134,7 +138,7 @@ class Optimum:
 
     shares : of the variables; before, after : J of the case itself and of the result; active;
     history : all designs in their order; gradient : of J to the shares;
-    message : why the search ended.
+    message : why the search ended; slack : the smallest g of the result, at most 0.
     """
 
     shares: np.ndarray
@@ -144,6 +148,7 @@ class Optimum:
     history: list[Trial]
     gradient: np.ndarray
     message: str
+    slack: float
 
 
 @dataclass
@@ -170,6 +175,11 @@ class Search:
         for row in self.base:
             if row["status"] != "done":
                 raise BadInput(f"the case itself: {row['message']}")
+            for figure in (self.task.goal, *(one.figure for one in self.task.limits)):
+                if not isinstance(row.get(figure), (int, float)) or not np.isfinite(row[figure]):
+                    raise BadInput(f"{figure}: expected a figure of this case, got none from it")
+            if not row[self.task.goal]:
+                raise BadInput(f"{self.task.goal}: expected a goal that is not 0 in the case")
 
     def result(self, rows: Sequence[Row]) -> tuple[float, np.ndarray] | None:
         """Return J and all g of the rows of one design, None if a run failed; Eq. (V4)."""
@@ -182,7 +192,8 @@ class Search:
             for row, base in zip(rows, self.base):
                 limit = base[one.figure] if one.value is None else one.value
                 # Eq. (V4)
-                slack.append(one.sign * (limit - row[one.figure]) / max(abs(limit), 1e-300))
+                size = abs(limit) or abs(base[one.figure]) or 1.0
+                slack.append(one.sign * (limit - row[one.figure]) / size)
         return task.sign * float(np.mean(shares)), np.array(slack)
 
     def at(self, x: np.ndarray) -> tuple[float, np.ndarray]:
@@ -242,7 +253,11 @@ def optimise(search: Search) -> Optimum:
         options={"maxiter": task.gradients, "ftol": SETTLED},
     )
     kept = [one for one in search.history if one.slack >= -TOLERANCE]
-    best, after, _ = min(kept or search.history, key=lambda one: one.value)
+    best, after, slack = (
+        min(kept, key=lambda one: one.value)
+        if kept
+        else max(search.history, key=lambda one: (one.slack, -one.value))
+    )
     gradient, slopes = search.slope(best)
     return Optimum(
         shares=best,
@@ -252,6 +267,7 @@ def optimise(search: Search) -> Optimum:
         history=search.history,
         gradient=gradient,
         message=done.message,
+        slack=slack,
     )
 
 

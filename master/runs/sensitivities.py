@@ -7,7 +7,8 @@ The change is that of a step. The spread is half of the difference of both one-s
 curvature over the step, and scatter of runs, leave open. A change below its spread is not resolved.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,11 @@ import numpy as np
 
 from ..case.changes import changed
 from ..case.checked import check_case
+from ..fmi.cache import passing_fmus
 from ..fmi.errors import BadInput, for_all
 from . import sweep as sweeps
 from .design_space import Changes, DesignSpace, Shapes
+from .lock import sole_writer
 
 Row = dict[str, Any]
 
@@ -80,9 +83,12 @@ class Runs:
             return sweeps.Point(dict(zip(self.space.names, design)), tree)
 
         points = for_all(point, [(x, added) for x in designs for added in more])
+        folder = self.folder / "runs"
+        for one in points if self.keeps else ():
+            if not (folder / f"{one.name}.h5").exists():  # deleted, or not kept by a search
+                (folder / f"{one.name}.json").unlink(missing_ok=True)
         waiting = sweeps.unfinished(points, self.folder)
         sweeps.build_all(waiting, self.path.parent, lambda text: None)
-        folder = self.folder / "runs"
 
         def keep(rows, ended):
             self.watch(len(rows), len(points), rows[ended[0]])
@@ -92,6 +98,19 @@ class Runs:
         case_folder = self.path.parent
         rows = sweeps.rows_of(points, case_folder, folder, self.executor, keep, uncertainty)
         return [row | {"results": folder / f"{p.name}.h5"} for row, p in zip(rows, points)]
+
+
+@contextmanager
+def use_of(folder: Path) -> Generator[None]:
+    """Be the only user of the folder of designs, with a cache of FMUs that is deleted at the end.
+
+    Raises
+    ------
+    BadInput
+        If another process uses the folder.
+    """
+    with sole_writer(folder / "runs"), passing_fmus(folder / "passing_fmus"):
+        yield
 
 
 def sensitivities(runs: Runs, figures: Sequence[str]) -> tuple[list[Sensitivity], list[Row]]:

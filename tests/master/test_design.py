@@ -2,6 +2,7 @@
 
 import csv
 from concurrent.futures import Executor, Future
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.cache import cache_folder, passing_fmus
 from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.fmi.quantities import to_si
 from piston_cosim.master.results.compare import Measured, deviations
 from piston_cosim.master.results.recorded import Series
 from piston_cosim.master.runs import sweep as sweeps
@@ -24,7 +26,7 @@ from piston_cosim.master.runs.design_space import (
     shapes_of,
 )
 from piston_cosim.master.runs.optimisation import BAD, Limit, Search, Task, limit_of, optimise
-from piston_cosim.master.runs.sensitivities import Runs, map_of, sensitivities
+from piston_cosim.master.runs.sensitivities import Runs, map_of, sensitivities, use_of
 from tests.command import call
 
 PATH = find_case("numerical_example")
@@ -52,6 +54,7 @@ class Formulas(Executor):
             row = {"status": "failed", "message": "no step"}
         else:
             row |= {name: float(f(clearance, viscosity)) for name, f in self.formulas.items()}
+            Path(others[1]).touch()  # the results file
         future.set_result(row)
         return future
 
@@ -127,7 +130,8 @@ def test_limits_of_the_case_hold_at_each_point_and_failed_designs_are_bad(runs):
     task = Task(FILM, -1.0, limits, points, (ranges[0][1:],))
     search = Search(task, runs(executor, DesignSpace((ranges[0][0],))))
     best = optimise(search)
-    assert best.shares == pytest.approx([0.0]) and best.after == -1.0
+    # no design has 52 W: at 9 um it is 54 W, which is closest
+    assert best.shares == pytest.approx([-0.4]) and best.after == pytest.approx(-0.9)
     # g of both limits at both points, 10 % above the case: 60, 50 W become 66, 55 W
     value, slack = search.at(np.array([1.0 / 2.5]))
     assert value == pytest.approx(-1.1)
@@ -172,6 +176,15 @@ def test_shapes_keep_the_mean_are_symmetric_and_survive_their_table(tmp_path):
         (lambda: limit_of("film", {FILM: "raise"}), "unknown figure 'film'"),
         (lambda: limit_of(f"{FILM}<=1 s", {FILM: "raise"}), "expected a quantity in m"),
         (lambda: limit_of("x", {"x": "none"}), "expected FIGURE<=VALUE"),
+        (lambda: limit_of(f"{FILM}<1 um", {FILM: "raise"}), "expected FIGURE, FIGURE<=VALUE or F"),
+        (lambda: numbers("radial_clearance+pin_offset"), "keys of one value, got 10 um and 0"),
+        (lambda: numbers("radial_clearance+viscosity"), "keys of one value, got 10 um and 6 mPa s"),
+        (lambda: numbers("crank_speed=5 Hz"), "expected a quantity in rpm"),
+        (lambda: numbers("crank_speed=5"), "expected a quantity in rpm"),
+        (
+            lambda: DesignSpace(numbers("viscosity", "ehd.viscosity=1 mPa s")),
+            "viscosity: expected the key in one variable",
+        ),
     ],
 )
 def test_wrong_input_is_named(ask, message):
@@ -184,6 +197,61 @@ def test_limits_have_signs_and_units():
     assert limit_of(FILM, ways) == Limit(FILM, -1.0)
     assert limit_of("maximum_pressure_pa <= 4 MPa", ways) == Limit("maximum_pressure_pa", 1.0, 4e6)
     assert limit_of(f"{FILM}>=3um", ways) == Limit(FILM, -1.0, pytest.approx(3e-6))
+
+
+@pytest.mark.parametrize("step", ["5 K", "5 degC", "9 degF"])
+def test_steps_of_temperatures_are_differences(step):
+    key = "participants.ehd.parameters.oil_temperature_lower_edge"
+    tree = read_tree(PATH, [(key, "133 degC")])
+    number = number_of(tree, f"{key}={step}", PATH.parent, "--by")
+    assert number.scale == pytest.approx(5.0)
+    ((_, text),) = number.changes(1.0)
+    assert to_si(text, "K") == pytest.approx(138.0 + 273.15)
+
+
+def test_a_goal_or_limit_that_the_case_lacks_is_named(runs):
+    number, *bounds = range_of(TREE, "radial_clearance=8um..13um", PATH.parent, "--vary")
+    space = DesignSpace((number,))
+
+    def search(goal, limit, folder):
+        task = Task(goal, 1.0, (Limit(limit, 1.0),), ([],), (tuple(bounds),))
+        executor = Formulas(**{FRICTION: lambda c, v: c, FILM: lambda c, v: 0.0})
+        return Search(task, runs(executor, space, folder))
+
+    for goal, limit in ((FRICTION, "contact_share"), ("contact_share", FRICTION)):
+        with pytest.raises(BadInput, match="contact_share: expected a figure of this case"):
+            optimise(search(goal, limit, "a"))
+    with pytest.raises(BadInput, match=f"{FILM}: expected a goal that is not 0"):
+        optimise(search(FILM, FRICTION, "b"))
+    assert optimise(search(FRICTION, FILM, "c")).after == pytest.approx(0.8)  # 0 <= 0 holds
+
+
+def test_without_a_design_that_keeps_the_limits_the_closest_one_is_the_result(runs):
+    executor = Formulas(**{FRICTION: lambda c, v: 100.0 - c, FILM: lambda c, v: c})
+    number, *bounds = range_of(TREE, "radial_clearance=8um..13um", PATH.parent, "--vary")
+    task = Task(FRICTION, 1.0, (Limit(FILM, 1.0, 4.0),), ([],), (tuple(bounds),))
+    best = optimise(Search(task, runs(executor, DesignSpace((number,)))))
+    assert number.value + best.shares[0] * number.scale == pytest.approx(8.0)
+    assert best.slack == pytest.approx(-1.0)
+
+
+def test_a_finished_run_without_its_results_file_is_repeated(runs):
+    executor = Formulas(**{FRICTION: lambda c, v: c})
+    made = runs(executor, DesignSpace(numbers("viscosity")))
+    (row,) = made.rows([np.zeros(1)])
+    made.rows([np.zeros(1)])
+    assert executor.count == 1
+    row["results"].unlink()
+    made.rows([np.zeros(1)])
+    assert executor.count == 2 and row["results"].exists()
+
+
+def test_a_folder_of_designs_has_one_user_and_keeps_other_files(tmp_path):
+    (tmp_path / "cache").mkdir()
+    with use_of(tmp_path), pytest.raises(BadInput, match="written by process"):
+        with use_of(tmp_path):
+            pass
+    assert [one.name for one in tmp_path.iterdir()] == ["cache"]
 
 
 def test_fmus_of_designs_do_not_remain_in_the_cache(tmp_path):
@@ -273,19 +341,21 @@ def test_parameters_that_act_alike_are_named():
     assert [pair[:2] for pair in nearly.alike] == [(0, 1)] and nearly.alike[0][2] < -0.95
     same = calibrate(measured_by(np.zeros(2), noise, lambda x: (x[0] + x[1]) * PLACES), BOX, True)
     assert np.isinf(same.half_widths).all()
-    with pytest.raises(BadInput, match="more than 2 values, got 1"):
+    with pytest.raises(BadInput, match="more than 2 values within the run, got 1"):
         calibrate(lambda designs: [np.zeros(1)], BOX, True)
 
 
 class Recorded:
     """Results of a run whose curve is twice its abscissa."""
 
-    ports = ("a.angle", "a.height")
+    ports = ("a.angle", "a.height", "a.fall")
 
     def series(self, port):
         x = np.radians(np.linspace(0.0, 90.0, 10))
         if port == "a.angle":
             return Series(x, "rad", "")
+        if port == "a.fall":
+            return Series(-x, "m", "")
         return Series(2e-3 * np.degrees(x), "m", "")
 
 
@@ -296,3 +366,18 @@ def test_deviations_are_in_quarters_of_the_band():
     assert deviations(Recorded(), columns) == pytest.approx([2.0 / 190.0, -10.0 / 190.0])
     banded = Measured(height, "mm", height - 4.0, height + 4.0)
     assert deviations(Recorded(), columns | {"a.height": banded}) == pytest.approx([1.0, -5.0])
+    narrow = Measured(height, "mm", height, height)
+    with pytest.raises(BadInput, match="a.height: expected a band wider than 0"):
+        deviations(Recorded(), columns | {"a.height": narrow})
+
+
+def test_an_abscissa_that_falls_in_the_run_is_refused():
+    columns = {"a.fall": Measured(np.ones(1), "m"), "a.height": Measured(np.ones(1), "m")}
+    with pytest.raises(BadInput, match="a.fall: expected a first column that rises in the run"):
+        deviations(Recorded(), columns)
+
+
+def test_runs_that_cover_other_numbers_of_values_are_refused():
+    sizes = iter([5, 5, 4])
+    with pytest.raises(BadInput, match="got 5 within the case and 4 within another run"):
+        calibrate(lambda designs: [np.ones(next(sizes)) for _ in designs], [(-1.0, 1.0)], True)
