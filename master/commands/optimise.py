@@ -184,7 +184,7 @@ def _say_active(found, points):
     for one in found.active:
         words = entry_in_words(one.limit.figure).partition(" [")[0]
         where = f" at point {one.point + 1}" if len(points) > 1 else ""
-        gain = f"1 % of it is worth {one.multiplier:.2g} % of the goal"
+        gain = f"1 % of it changes the goal by {one.multiplier:.2g} %"
         tell(f"limit    {words}{where} is reached: {gain}")
 
 
