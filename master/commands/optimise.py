@@ -117,7 +117,7 @@ def command(
     count = len(space.names) - len(ranges)
     bounds = tuple((low, high) for _, low, high in ranges) + ((-1.0, 1.0),) * count
     sign = -1.0 if ways[goal] == "raise" else 1.0
-    task = Task(goal, sign, tuple(limits), tuple(points), bounds, gradients)
+    task = Task(goal, sign, tuple(limits), tuple(points), bounds, gradients=gradients)
 
     def watch(value, slack):
         excess = "" if slack >= -TOLERANCE else f", {-100 * slack:.1f} % beyond a limit"

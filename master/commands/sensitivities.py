@@ -85,7 +85,7 @@ def command(
         tell(f"{done}/{total}  {row['status']:9s}  {row['message']}", markup=False)
 
     with use_of(folder), LocalPool(workers) as executor:
-        runs = Runs(tree, path, space, folder, executor, watch)
+        runs = Runs(tree, path, space, folder, executor, watch=watch)
         found, failed = sensitivities(runs, [*directions(checked)])
     steps = dict.fromkeys(space.names, f"+{amplitude}") | {n.name: n.step_text for n in numbers}
     _print(found, steps)

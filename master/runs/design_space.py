@@ -147,7 +147,14 @@ def number_of(tree: dict[str, Any], text: str, folder: Path, option: str) -> Num
         )
     unit = _unit_of(known)
     text = step.strip() if sign else f"{scale:.3g} {unit}".strip()
-    return Number(name.strip(), keys, known.magnitude, abs(scale), unit, f"+{text.lstrip('+-')}")
+    return Number(
+        name=name.strip(),
+        keys=keys,
+        value=known.magnitude,
+        scale=abs(scale),
+        unit=unit,
+        step_text=f"+{text.lstrip('+-')}",
+    )
 
 
 def keys_of(tree: dict[str, Any], name: str, folder: Path, option: str) -> tuple[str, ...]:
@@ -182,7 +189,10 @@ def range_of(
         )
     scale = 0.5 * (ends[1] - ends[0])
     bounds = [(end - known.magnitude) / scale for end in ends]
-    return Number(name.strip(), keys, known.magnitude, scale, _unit_of(known)), *bounds
+    number = Number(
+        name=name.strip(), keys=keys, value=known.magnitude, scale=scale, unit=_unit_of(known)
+    )
+    return number, *bounds
 
 
 def in_units_of(known: Any, text: str, where: str, is_difference: bool = False) -> float:
@@ -280,7 +290,15 @@ def shapes_of(
     names, values = shape_functions((heights - lower) / (upper - lower), splines, orders)
     key = f"participants.{bodies[0]}.build.piston.profiles"
     before = tuple(piston.get("profiles", ()))
-    return Shapes(names, key, before, heights, values, amplitude, folder)
+    return Shapes(
+        names=names,
+        key=key,
+        before=before,
+        heights=heights,
+        values=values,
+        amplitude=amplitude,
+        folder=folder,
+    )
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -22,6 +22,7 @@ from ..fmi.errors import BadInput, for_all
 from . import sweep as sweeps
 from .design_space import Changes, DesignSpace, Shapes
 from .lock import sole_writer
+from .recorder import writing
 
 Row = dict[str, Any]
 
@@ -96,7 +97,8 @@ class Runs:
                 (folder / f"{points[k].name}.h5").unlink(missing_ok=True)
 
         case_folder = self.path.parent
-        rows = sweeps.rows_of(points, case_folder, folder, self.executor, keep, uncertainty)
+        with writing(folder):
+            rows = sweeps.rows_of(points, case_folder, folder, self.executor, keep, uncertainty)
         return [row | {"results": folder / f"{p.name}.h5"} for row, p in zip(rows, points)]
 
 

@@ -249,7 +249,9 @@ def _sweep(points, case_folder, folder, executor, watch, uncertainty):
         for done, k in enumerate(ended, len(rows) - len(ended) + 1):
             watch(points[k].values | rows[k], done, len(points))
 
-    rows = rows_of(points, case_folder, Path(folder) / "runs", executor, keep, uncertainty)
+    runs = Path(folder) / "runs"
+    with writing(table):
+        rows = rows_of(points, case_folder, runs, executor, keep, uncertainty)
     records = [_record(point, row) for point, row in zip(points, rows)]
     with writing(table):
         write_table(records, table)
@@ -286,8 +288,7 @@ def rows_of(points, case_folder, runs, executor, keep=lambda rows, ended: None, 
         own = waiting[future]
         row = _row(future)
         rows |= dict.fromkeys(own, row)
-        with writing(runs):
-            write_whole(runs / f"{points[own[0]].name}.json", json.dumps(row).encode())
+        write_whole(runs / f"{points[own[0]].name}.json", json.dumps(row).encode())
         keep(rows, own)
     return [rows[k] for k in range(len(points))]
 
