@@ -21,7 +21,17 @@ from ..master.fmi.block import (
 )
 from ..master.fmi.compiled import compiled, packed
 from ..master.fmi.errors import BadInput
-from ..master.fmi.native_parts import NativePart, get_each, positions_of, put_each
+from ..master.fmi.native_parts import (
+    FROM_COORDINATES,
+    MEASURE,
+    PLACE,
+    READ,
+    TO_COORDINATES,
+    NativePart,
+    get_each,
+    positions_of,
+    put_each,
+)
 from ..master.fmi.noted import ROOM, refuse, remark
 from ..master.fmi.slave import PRODUCT, SEED
 from ..master.fmi.symmetry import AUTOMATIC, WHOLE
@@ -50,12 +60,16 @@ from .dynamics.step import (
     BodyModel,
     StepInputs,
     at_rest,
+    coordinate_change,
     coordinates_of,
     crank_after,
     crank_at_start,
+    film_measures,
+    films_at,
     instant_of,
     is_started,
     modes_of,
+    moved_by,
     others_at,
     response_to,
     result_of,
@@ -179,7 +193,8 @@ class BodyMemory(NamedTuple):
     """Parts of the memory.
 
     They are rows of `VariablePlaces`, `NativeSetup`, `BodyModel`, `PistonState`, that at the start,
-    and `StepEnd`, the faults, and the numbers of evaluations and tangents so far.
+    and `StepEnd`, the faults, the numbers of evaluations and tangents so far, and the coordinates
+    or their change.
     """
 
     places: np.ndarray
@@ -190,6 +205,7 @@ class BodyMemory(NamedTuple):
     last: np.ndarray
     faults: np.ndarray
     counts: np.ndarray
+    coordinates: np.ndarray
 
 
 parts_of = parts(BodyMemory)
@@ -213,7 +229,7 @@ def lengths_of(setup: NativeSetup, walls: WallPlaces, model: BodyModel):
     m = max(n, len(FIXED))
     state = _room_of_state(n, 0, 0, growths_of(setup.bodies, walls))
     last = _room_of_last(m, m, len(model.parts.chain.laws.kind))
-    return length_of_model(model), state, state, last, ROOM, 2
+    return length_of_model(model), state, state, last, ROOM, 2, n
 
 
 def setup_row(slave: Any) -> np.ndarray:
@@ -448,20 +464,57 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 
 
 @compiled
+def place(real, memory, step):
+    """Write the films at coordinates after a step [s] from the state."""
+    parts = parts_of(memory)
+    model, places, before = (
+        model_from(parts.model),
+        places_from(parts.places),
+        state_from(parts.state),
+    )
+    crank = crank_after(model, before, step, float(real[places.crank_speed]))
+    c = step_coefficients(before, step, model.settings.spectral_radius)
+    films = films_at(model, before, c, crank, inputs_of(real, places), parts.coordinates)
+    put_films(real, places.skirt, films.skirt.film_thickness, films.skirt.sliding_velocity)
+    put_films(real, places.pins, films.pins.film_thickness, films.pins.sliding_velocity)
+
+
+@compiled
 def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Write the products of the seeds among the variables; `numbers` unused."""
+    """Write the products of the seeds among the variables, or what the numbers say.
+
+    See `native_parts.WHOLE`.
+    """
     parts = parts_of(memory)
     parts.faults[0] = 0.0
+    if numbers[0] == READ:
+        keep(parts.coordinates, state_from(parts.state).position)
+        return
+    if numbers[0] == PLACE:
+        place(real, memory, numbers[1])
+        return
     model, places = model_from(parts.model), places_from(parts.places)
-    last = last_from(parts.last)
-    carried = get_each(real, places.carrier_seed)
-    change = response_to(model, last, seeds_of(real, places), carried)
-    put_films(real, places.skirt_tangent, change.film_thickness, change.sliding_velocity)
-    put_films(real, places.pins_tangent, change.pin_film_thickness, change.circumferential_velocity)
-    motion = change.lateral_velocity, change.rocking_velocity, change.piston_velocity
-    put_each(real, places.motion_product, motion)
-    if model.mounted:
-        put_each(real, places.on_block_product, change.on_block)
+    last, is_exact = last_from(parts.last), numbers[1] == 0.0
+    if numbers[0] == MEASURE:
+        keep(parts.coordinates, film_measures(model, last))
+    elif numbers[0] == TO_COORDINATES:
+        keep(parts.coordinates, coordinate_change(model, last, seeds_of(real, places), is_exact))
+    elif numbers[0] == FROM_COORDINATES:
+        by = moved_by(model, last, parts.coordinates, is_exact)
+        put_films(real, places.skirt_tangent, by.skirt.film_thickness, by.skirt.sliding_velocity)
+        put_films(real, places.pins_tangent, by.pins.film_thickness, by.pins.sliding_velocity)
+        motion = by.moved.velocity[LATERAL], by.moved.velocity[ROCKING], by.rising
+        put_each(real, places.motion_product, motion)
+    else:
+        carried = get_each(real, places.carrier_seed)
+        change = response_to(model, last, seeds_of(real, places), carried)
+        put_films(real, places.skirt_tangent, change.film_thickness, change.sliding_velocity)
+        pins = change.pin_film_thickness, change.circumferential_velocity
+        put_films(real, places.pins_tangent, *pins)
+        motion = change.lateral_velocity, change.rocking_velocity, change.piston_velocity
+        put_each(real, places.motion_product, motion)
+        if model.mounted:
+            put_each(real, places.on_block_product, change.on_block)
 
 
 PART = NativePart(
@@ -470,4 +523,6 @@ PART = NativePart(
     uncovered=uncovered,
     faults=FAULTS,
     refusal="",
+    coordinates=BodyMemory._fields.index("coordinates"),
+    direct=BlockForce._fields,
 )

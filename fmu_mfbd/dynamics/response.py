@@ -15,14 +15,14 @@ from ..mechanism.floating_frame import TURN, Y
 from ..mechanism.generalised_alpha import Coefficients, Motion
 from ..mechanism.laws import from_block_changes
 from ..mechanism.loads import loads_at
-from ..mechanism.motion import changes_along, motion_changes
+from ..mechanism.motion import MotionChanges, changes_along, motion_changes
 from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING, Load
 from ..mechanism.slider_crank import CrankMotion
-from ..mechanism.solution import Linearisation, solve_coupled
+from ..mechanism.solution import Linearisation, solve_coupled, substitute_chain
 from .block_force import BlockForce, block_force
 from .instant import of_skirt
 from .pin_films import applied_forces, film_pushes, pin_changes
-from .skirt_films import forces_by_film, skirt_changes, skirt_slopes, total_forces
+from .skirt_films import FilmChange, forces_by_film, skirt_changes, skirt_slopes, total_forces
 from .system import BodySystem, RingForce
 
 
@@ -83,6 +83,110 @@ def load_change(system: BodySystem, films: FilmForces, rings: RingForce) -> Load
     )
 
 
+class PushedMotion(NamedTuple):
+    """Change of the motion with forces and the block's motion.
+
+    Parameters
+    ----------
+    acceleration : ndarray, shape (n,)
+        Of all coordinates.
+    load : Load
+        On the piston.
+    on_block : ndarray, shape (3,)
+        Without the part of the acceleration.
+    """
+
+    acceleration: np.ndarray
+    load: Load
+    on_block: np.ndarray
+
+
+class MovedFilms(NamedTuple):
+    """Change of motion and films with the coordinates.
+
+    Parameters
+    ----------
+    moved : Motion
+        Of all coordinates.
+    bodies : MotionChanges
+    rising : float
+        Of the piston's velocity [m/s].
+    skirt, pins : FilmChange
+        Of all films, stacked.
+    """
+
+    moved: Motion
+    bodies: MotionChanges
+    rising: float
+    skirt: FilmChange
+    pins: FilmChange
+
+
+@compiled
+def pushed_motion(
+    of: BodySystem,
+    last: StepEnd,
+    skirt_forces: NodalForces,
+    rings: RingForce,
+    forces: PinForces,
+    carrier: Carrier,
+    is_exact: bool,
+) -> PushedMotion:
+    """Return the change of the motion at the end of a step with the forces there.
+
+    Eq. (D23):  J dq'' = -dr,   dq = c2 dq'',   dq' = c1 dq''       J, r of Eq. (D61)
+
+    Parameters
+    ----------
+    of : BodySystem
+    last : StepEnd
+    skirt_forces, rings, forces, carrier
+        Directions; nodal forces stacked [N].
+    is_exact : bool
+        Else modes of the skirt's films do not slide and are not coupled (Eq. (D4)), which changes
+        the products of the numerical example by up to 1e-4 and saves a fifth of their time.
+    """
+    chain, own = of.chain, last.linear
+    skirt = total_forces(forces_by_film(of, last.guide_height, skirt_forces, is_exact))
+    change = load_change(of, skirt, rings)
+    at, block = own.forces.motion, own.forces.inertia.carrier
+    by = reach_of(last.coefficients, of.kinds)
+    applied = applied_forces(of, change, forces, film_pushes(of, forces))
+    loads = loads_at(chain, applied, at, last.now)
+    pushed = pushed_forces(chain, own.forces, last.now, loads, carrier)
+    # Eq. (D23)
+    if is_exact:
+        acceleration = -solve_coupled(chain.bodies, at, block, by, own.factors, pushed.residual)
+    else:
+        acceleration = -substitute_chain(own.factors, pushed.residual)
+    return PushedMotion(acceleration, change, pushed.on_block)
+
+
+@compiled
+def moved_films(
+    of: BodySystem, last: StepEnd, acceleration: np.ndarray, is_exact: bool
+) -> MovedFilms:
+    """Return the change of motion and films at the end of a step with accelerations (n,).
+
+    `is_exact` as of `pushed_motion`.
+    """
+    chain, at = of.chain, last.linear.forces.motion
+    by = reach_of(last.coefficients, of.kinds)
+    moved = Motion(by.position * acceleration, by.velocity * acceleration, acceleration)
+    bodies = changes_along(motion_changes(chain.joints, at, by), acceleration)
+    rising = bodies.velocity[piston_of(chain), Y, 0]
+    place, speed = of_skirt(of, moved.position), of_skirt(of, moved.velocity)
+    for k in range(RIGID, len(speed) if not is_exact else RIGID):
+        speed[k] = 0.0
+    return MovedFilms(
+        moved=moved,
+        bodies=bodies,
+        rising=rising,
+        skirt=skirt_changes(of, last.guide_height, rising, place, speed),
+        pins=pin_changes(of, at, last.now, moved, bodies),
+    )
+
+
 @compiled
 def response(
     of: BodySystem,
@@ -95,7 +199,6 @@ def response(
 ) -> Response:
     """Return the change at the end of a step with the forces there and the block's motion.
 
-    Eq. (D23):  J dq'' = -dr,   dq = c2 dq'',   dq' = c1 dq''       J, r of Eq. (D61)
     Eq. (D20):  dF = F_Q dQ + F_q'' dq''       F of Eq. (D25)
 
     Parameters
@@ -111,42 +214,29 @@ def response(
     -------
     Response
     """
-    chain = of.chain
-    end, guide_height, own = last.now, last.guide_height, last.linear
-    skirt = total_forces(forces_by_film(of, guide_height, skirt_forces))
-    change = load_change(of, skirt, rings)
-    at, block = own.forces.motion, own.forces.inertia.carrier
-    by = reach_of(last.coefficients, of.kinds)
-    applied = applied_forces(of, change, forces, film_pushes(of, forces))
-    loads = loads_at(chain, applied, at, end)
-    pushed = pushed_forces(chain, own.forces, end, loads, carrier)
-    # Eq. (D23)
-    acceleration = -solve_coupled(chain.bodies, at, block, by, own.factors, pushed.residual)
-    moved = Motion(by.position * acceleration, by.velocity * acceleration, acceleration)
-    bodies = changes_along(motion_changes(chain.joints, at, by), acceleration)
-    rising = bodies.velocity[piston_of(chain), Y, 0]
-    on_block = own.on_block @ acceleration
+    own, chain = last.linear, of.chain
+    pushed = pushed_motion(of, last, skirt_forces, rings, forces, carrier, True)
+    films = moved_films(of, last, pushed.acceleration, True)
+    on_block = own.on_block @ pushed.acceleration
     for k in range(len(on_block)):
         on_block[k] += pushed.on_block[k]  # Eq. (D20)
     from_walls = np.zeros(2)
     if len(chain.laws.kind) > 0:
-        from_walls = from_block_changes(chain.elements, own.law_slopes, at, bodies)
-    first = RIGID + len(of.gas_force)
+        at = own.forces.motion
+        from_walls = from_block_changes(chain.elements, own.law_slopes, at, films.bodies)
     if lever != 0.0:
-        slopes = skirt_slopes(of, guide_height, skirt_forces.pressure)
-        pushed_along = slopes.undeformed + slopes.modal @ of_skirt(of, end.position)[first:]
+        first = RIGID + len(of.gas_force)
+        slopes = skirt_slopes(of, last.guide_height, skirt_forces.pressure)
+        pushed_along = slopes.undeformed + slopes.modal @ of_skirt(of, last.now.position)[first:]
         on_block[TURN] -= lever * pushed_along  # Eq. (D70)
         from_walls[Y] += pushed_along
-    place, speed = of_skirt(of, moved.position), of_skirt(of, moved.velocity)
-    on_skirt = skirt_changes(of, guide_height, rising, place, speed)
-    on_pins = pin_changes(of, at, end, moved, bodies)
     return Response(
-        film_thickness=on_skirt.film_thickness,
-        sliding_velocity=on_skirt.sliding_velocity,
-        lateral_velocity=moved.velocity[LATERAL],
-        rocking_velocity=moved.velocity[ROCKING],
-        piston_velocity=rising,
-        pin_film_thickness=on_pins.film_thickness,
-        circumferential_velocity=on_pins.sliding_velocity,
-        on_block=block_force(change, from_walls, on_block),
+        film_thickness=films.skirt.film_thickness,
+        sliding_velocity=films.skirt.sliding_velocity,
+        lateral_velocity=films.moved.velocity[LATERAL],
+        rocking_velocity=films.moved.velocity[ROCKING],
+        piston_velocity=films.rising,
+        pin_film_thickness=films.pins.film_thickness,
+        circumferential_velocity=films.pins.sliding_velocity,
+        on_block=block_force(pushed.load, from_walls, on_block),
     )

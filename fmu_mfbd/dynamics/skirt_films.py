@@ -100,7 +100,9 @@ class FilmParts(NamedTuple):
 
 
 @compiled
-def forces_by_film(system: BodySystem, guide_height: float, forces: NodalForces) -> FilmParts:
+def forces_by_film(
+    system: BodySystem, guide_height: float, forces: NodalForces, sliding_modes: bool = True
+) -> FilmParts:
     """Return the generalised forces of each film.
 
     Parameters
@@ -110,6 +112,8 @@ def forces_by_film(system: BodySystem, guide_height: float, forces: NodalForces)
         Height at which the bore is read [m].
     forces : NodalForces
         Stacked [N].
+    sliding_modes : bool
+        As of `generalised`.
     """
     films = count_of(system.surfaces)
     parts = FilmParts(np.empty(films), np.empty((films, RIGID + skirt_modes(system))))
@@ -117,7 +121,8 @@ def forces_by_film(system: BodySystem, guide_height: float, forces: NodalForces)
     for s in range(films):
         surface = surface_at(system.surfaces, s)
         nodal = _nodal(surface, forces, first)
-        part = generalised(surface.skirt, surface.bore, window_of(surface, guide_height), nodal)
+        window = window_of(surface, guide_height)
+        part = generalised(surface.skirt, surface.bore, window, nodal, sliding_modes)
         parts.axial[s] = part.axial
         for k in range(len(part.push)):
             parts.push[s, k] = part.push[k]

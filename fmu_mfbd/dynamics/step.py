@@ -8,20 +8,31 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
-from ..mechanism.bdf2 import reach_of
-from ..mechanism.carrier import Carrier, carrier_from
+from ..mechanism.bdf2 import predicted_of, reach_of
+from ..mechanism.carrier import FIXED, Carrier, carrier_from
+from ..mechanism.cylinder import piston_of
 from ..mechanism.derivative import drive_inertia
-from ..mechanism.floating_frame import TURN
+from ..mechanism.floating_frame import TURN, Y
+from ..mechanism.generalised_alpha import Coefficients, Motion
+from ..mechanism.loads import loads_at
+from ..mechanism.motion import chain_motion
 from ..mechanism.slider_crank import CrankMotion, driven, height, moved_inertia
 from .account import EnergyAccount, account
 from .contradictions import FAULT
 from .drive import Scalars, scalars_of
 from .gas_on_bore import WallPressures
-from .instant import Instant, end_of_step
+from .instant import Instant, end_of_step, load_of, of_skirt
 from .parameters import GAS_SOURCES, Settings
-from .pin_films import damp_modes
-from .response import Response, StepEnd, response
-from .skirt_films import skirt_slopes
+from .pin_films import applied_forces, damp_modes, film_pushes, pin_films
+from .response import MovedFilms, Response, StepEnd, moved_films, pushed_motion, response
+from .skirt_films import (
+    AxialMotion,
+    FilmChange,
+    forces_by_film,
+    skirt_films,
+    skirt_slopes,
+    total_forces,
+)
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, state_at
 from .system import BodySystem, OtherForces, RingForce, StepProblem, rigid_piston, skirt_modes
@@ -40,6 +51,9 @@ from .thermal_growth import (
 
 GAS = namedtuple("GasSource", GAS_SOURCES)(*range(1, 1 + len(GAS_SOURCES)))
 """Numbers of the choices in `GAS_SOURCES`."""
+
+HEIGHTS = 6
+"""Number of crank angles of `film_measures`."""
 
 START_PASSES = 40
 """Most passes to the start of a free crank; each gains a digit or more."""
@@ -392,3 +406,103 @@ def response_to(
     carrier = carrier_from(carried)
     lever = _lever(model, last.crank)
     return response(model.parts, last, seeds.skirt, seeds.rings, seeds.pins, carrier, lever)
+
+
+@compilable
+def coordinate_change(
+    model: BodyModel, last: StepEnd, seeds: StepInputs, is_exact: bool
+) -> np.ndarray:
+    """Return the change of all coordinates at the end of a step with forces there."""
+    forces = seeds.skirt, seeds.rings, seeds.pins
+    pushed = pushed_motion(model.parts, last, *forces, FIXED, is_exact)
+    return reach_of(last.coefficients, model.parts.kinds).position * pushed.acceleration
+
+
+@compilable
+def moved_by(
+    model: BodyModel, last: StepEnd, coordinates: np.ndarray, is_exact: bool
+) -> MovedFilms:
+    """Return the change of films and motion at the end of a step with all coordinates."""
+    by = reach_of(last.coefficients, model.parts.kinds)
+    return moved_films(model.parts, last, coordinates / by.position, is_exact)
+
+
+@compilable
+def film_measures(model: BodyModel, last: StepEnd) -> np.ndarray:
+    """Return how much each coordinate changes the films, by the bore read along the stroke.
+
+    It is the root of the sum over cells of squared changes of film thickness, per unit of the
+    coordinate, as a root mean square over `HEIGHTS` crank angles.
+    """
+    by = reach_of(last.coefficients, model.parts.kinds)
+    out = np.zeros(len(by.position))
+    for k in range(len(out)):
+        unit = np.zeros(len(out))
+        unit[k] = 1.0 / by.position[k]
+        for i in range(HEIGHTS):
+            at = height(model.parts.mechanism, 0.0, np.pi * (i + 0.5) / HEIGHTS).height
+            there = StepEnd(last.coefficients, at, last.now, last.crank, last.linear)
+            films = moved_films(model.parts, there, unit, False)
+            skirt, pins = films.skirt.film_thickness, films.pins.film_thickness
+            out[k] += (skirt @ skirt + pins @ pins) / HEIGHTS
+    return np.sqrt(out)
+
+
+class PlacedFilms(NamedTuple):
+    """Thickness [m] and velocity [m/s] of all films of the skirt, and of pin and crank."""
+
+    skirt: FilmChange
+    pins: FilmChange
+
+
+@compilable
+def films_at(
+    model: BodyModel,
+    before: PistonState,
+    c: Coefficients,
+    crank: CrankMotion,
+    inputs: StepInputs,
+    position: np.ndarray,
+) -> PlacedFilms:
+    """Return all films at coordinates at the end of a step, without its forces.
+
+    Parameters
+    ----------
+    model : BodyModel
+    before : PistonState
+        At the beginning of the step.
+    c : Coefficients
+        Of the step.
+    crank : CrankMotion
+        At its end.
+    inputs : StepInputs
+        Of which the temperatures count.
+    position : ndarray, shape (n,)
+        Coordinates.
+    """
+    of = model.parts
+    start = Motion(before.position, before.velocity, before.acceleration)
+    predicted = predicted_of(c, start, before.auxiliary, before.mean_velocity, of.kinds)
+    by = reach_of(c, of.kinds)
+    unknown = (position - predicted.position) / by.position
+    velocity = predicted.velocity + by.velocity * unknown
+    end = Motion(position, velocity, by.acceleration * unknown)
+    at = chain_motion(of.chain.joints, end, crank)
+    upright = height(of.mechanism, 0.0, crank.angle)
+    guide = AxialMotion(upright.height, upright.lever * crank.speed)
+    none = NodalForces(np.zeros(len(inputs.skirt.pressure)), np.zeros(len(inputs.skirt.pressure)))
+    cells = len(inputs.pins.pressure)
+    no_pins = PinForces(np.zeros(cells), np.zeros(cells))
+    parts = forces_by_film(of, guide.height, none)
+    rising = at.velocity[piston_of(of.chain), Y]
+    place, speed = of_skirt(of, end.position), of_skirt(of, end.velocity)
+    skirt = skirt_films(of, guide, none, parts, rising, place, speed)
+    pushes = film_pushes(of, no_pins)
+    load = load_of(of, total_forces(parts), others_at(model, inputs, crank))
+    loads = loads_at(of.chain, applied_forces(of, load, no_pins, pushes), at, end)
+    pins = pin_films(of, no_pins, pushes, loads, at, end)
+    opening = warmth_at(model, before, inputs, guide.height).opening
+    return PlacedFilms(
+        FilmChange(skirt.film_thickness + opening, skirt.sliding_velocity),
+        FilmChange(pins.film_thickness, pins.circumferential_velocity),
+    )

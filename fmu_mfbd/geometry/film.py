@@ -413,7 +413,13 @@ def sliding(
 
 
 @compiled
-def generalised(skirt: Skirt, bore: BoreSplines, window: Window, forces: NodalForces) -> FilmForces:
+def generalised(
+    skirt: Skirt,
+    bore: BoreSplines,
+    window: Window,
+    forces: NodalForces,
+    sliding_modes: bool = True,
+) -> FilmForces:
     """Return the forces on the coordinates by virtual work: Q_k = sum F dh/dq_k + sum f dv/dq'_k.
 
     Parameters
@@ -422,6 +428,8 @@ def generalised(skirt: Skirt, bore: BoreSplines, window: Window, forces: NodalFo
     bore : BoreSplines
     window : Window
     forces : NodalForces
+    sliding_modes : bool
+        Whether modes slide: those of an inexact derivative do not.
 
     Returns
     -------
@@ -429,11 +437,14 @@ def generalised(skirt: Skirt, bore: BoreSplines, window: Window, forces: NodalFo
     """
     push = by_rows(forces.pressure)
     drag = by_rows(forces.friction)
-    piston = spread(skirt.axial, 0, drag)
+    piston = np.zeros(len(skirt.axial.table))
+    if sliding_modes:
+        piston = spread(skirt.axial, 0, drag)
     subtract(piston, spread(skirt.radial, 0, push))
     block = np.zeros(0)
     if len(bore.radial.table) > 0:
         block = spread(bore.radial, window.first, on_knots(window, window.value, push))
+    if len(bore.radial.table) > 0 and sliding_modes:
         on_axial = on_knots(window, window.value, drag)
         subtract(block, spread(bore.axial, window.first, on_axial))
     out = np.concatenate((np.zeros(2), piston, block))

@@ -153,7 +153,7 @@ def read(field: ModalField, first: int, rows: int, coordinates: np.ndarray) -> n
     count = rows * field.part
     sums = np.zeros((field.classes, count))
     for k in range(len(field.table)):
-        if field.kind[k] >= field.classes:
+        if field.kind[k] >= field.classes or coordinates[k] == 0.0:
             continue
         values = field.table[k, start : start + count]
         line = sums[field.kind[k]]

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from ..fmi.block import memory_of, row_of
+from ..fmi.native_parts import NOWHERE
 from ..participants.fmi2 import FmuParticipant
 from .interface import Ends, Interface
-from .methods.krylov import KEPT, RecycledGmres
+from .methods.krylov import RecycledGmres
 from .methods.newton import Newton
 from .methods.solution import MacroStep, Method, Solution, Tried
 from .native_block import (
@@ -150,7 +151,7 @@ class Iteration:
             ),
             layout,
             saved=saved,
-            pairs=min(KEPT, len(layout.unknowns)),
+            owner=NOWHERE,
             order=np.arange(len(rows), dtype=float),
             starting=np.zeros(0),
             participants=np.array([np.array(row, float) for row in rows]),

@@ -31,12 +31,12 @@ from .native_block import (
     setup_of,
     state_of,
 )
+from .native_iteration import find, read_coordinates
 from .native_system import (
     START,
     System,
     call,
     feed,
-    find,
     integer_of,
     is_fed_well,
     read,
@@ -318,6 +318,8 @@ def begin(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
         read(system, wire_of(system, w), y)
     for w in range(len(system.wires)):
         feed(system, wire_of(system, w), y)
+    if not read_coordinates(system, y):
+        return False
     state = state_of(memory)
     state.known[0] = 0.0
     accept(state, 0.0, y)

@@ -15,7 +15,7 @@ from ..fmi.block import (
 from ..fmi.compiled import compilable, compiled
 from ..fmi.noted import DAMAGED_STATE, ROOM, numbers_of
 from .methods import iteration
-from .methods.krylov import Pairs, no_pairs
+from .methods.krylov import KEPT_OF_COORDINATES, NOISE_OF_COORDINATES, Pairs, no_pairs
 from .stepping import WITHOUT_PARTS
 from .vector import TOO_LONG, Layout
 
@@ -53,7 +53,8 @@ class ParticipantRow(NamedTuple):
     variables : number of real variables without seeds and products;
     setup, contents : length of the first part of its memory, and position in
     `CoupledSetup.contents`;
-    saved : position in `CoupledState.saved`.
+    saved : position in `CoupledState.saved`;
+    first_coordinate, coordinates : position in its memory, and number of coordinates.
     """
 
     code: int
@@ -71,6 +72,8 @@ class ParticipantRow(NamedTuple):
     setup: int = 0
     contents: int = 0
     saved: int = 0
+    first_coordinate: int = 0
+    coordinates: int = 0
 
 
 class WireRow(NamedTuple):
@@ -144,7 +147,8 @@ class ExposedVariables(NamedTuple):
 class CoupledSetup(NamedTuple):
     """First part of the memory.
 
-    saved, pairs : elements of `CoupledState.saved`; pairs of GMRES.
+    saved : number of elements of `CoupledState.saved`.
+    owner : participant whose coordinates determine all unknowns, `NOWHERE` for none.
     order, starting : participants;
     participants, wires : rows; contents : of participants' memories and variables.
     """
@@ -152,7 +156,7 @@ class CoupledSetup(NamedTuple):
     rules: Rules
     layout: Layout
     saved: int
-    pairs: int
+    owner: int
     order: Annotated[Array, "count"]
     starting: Annotated[Array, "count"]
     participants: Annotated[Array, "count, m"]
@@ -168,13 +172,15 @@ class CoupledState(NamedTuple):
     """State between macro steps.
 
     saved : variables and states of all participants; times, past : accepted vectors, the oldest
-    first, of which the first `known` are valid; pairs : the last member, which a saved state omits.
+    first, of which the first `known` are valid; scale : of the owner's coordinates, 0 before it is
+    computed; pairs : the last member, which a saved state omits.
     """
 
     saved: Annotated[Array, "saved"]
     known: Number
     times: Annotated[Array, "predicted"]
     past: Annotated[Array, "predicted, size"]
+    scale: Annotated[Array, "coordinates"]
     pairs: Pairs
 
 
@@ -221,30 +227,50 @@ def lengths_of(setup: CoupledSetup, inside: int, reals: int):
 
     inside : length of the part of this name; reals : number of real variables.
     """
-    size, unknowns = len(setup.layout.nominal), len(setup.layout.unknowns)
-    state = _room_of_state(setup.saved, setup.rules.predicted, size, setup.pairs, unknowns)
+    size, coordinates = len(setup.layout.nominal), coordinates_of(setup)
+    pairs = nothing_yet(setup).pairs.images.shape
+    state = _room_of_state(setup.saved, setup.rules.predicted, size, coordinates, *pairs)
     lengths = inside, state, state, _room_of_last(reals), ROOM, ROOM
-    return lengths, _room_of_pairs(setup.pairs, unknowns)
+    return lengths, _room_of_pairs(*pairs)
 
 
 SOLVED, FOUND = 2, 3
 """Positions in the numbers of `native.iterate`, behind step and time: 1 if there is a solution, and
 the first of what `find` notes.
 """
-_room_of_state = room_of(CoupledState, "saved, predicted, size, pairs, unknowns")
+_room_of_state = room_of(CoupledState, "saved, predicted, size, coordinates, pairs, unknowns")
 _room_of_pairs = room_of(Pairs, "pairs, unknowns")
 _room_of_last = room_of(LastMacroStep, "reals")
 
 
 @compilable
+def coordinates_of(setup: CoupledSetup) -> int:
+    """Return the number of coordinates of the owner, 0 without one."""
+    owner = setup.owner
+    return participant_from(setup.participants[owner]).coordinates if owner >= 0 else 0
+
+
+def with_coordinates(layout: Layout, count: int) -> Layout:
+    """Return a layout with elements for coordinates behind those of all wires."""
+    nominal = np.concatenate([layout.nominal, np.ones(count)])
+    tolerance = np.concatenate([layout.tolerance, np.full(count, inf)])
+    return layout._replace(nominal=nominal, tolerance=tolerance)
+
+
+@compilable
 def nothing_yet(setup: CoupledSetup):
     """Return `CoupledState` before a start."""
+    coordinates = coordinates_of(setup)
+    pairs = no_pairs(len(setup.layout.unknowns))
+    if coordinates > 0:
+        pairs = no_pairs(coordinates, KEPT_OF_COORDINATES, NOISE_OF_COORDINATES)
     return CoupledState(
-        np.zeros(setup.saved),
-        np.zeros(1),
-        np.zeros(setup.rules.predicted),
-        np.zeros((setup.rules.predicted, len(setup.layout.nominal))),
-        no_pairs(len(setup.layout.unknowns)),
+        saved=np.zeros(setup.saved),
+        known=np.zeros(1),
+        times=np.zeros(setup.rules.predicted),
+        past=np.zeros((setup.rules.predicted, len(setup.layout.nominal))),
+        scale=np.zeros(coordinates),
+        pairs=pairs,
     )
 
 

@@ -14,7 +14,6 @@ from ..fmi.slave import PRODUCT, SEED, reserved
 from ..fmi.variables import Variable
 from . import native
 from .coupled import LENIENCE, NUDGE, Coupled
-from .methods.krylov import KEPT
 from .methods.newton import Newton
 from .native_block import (
     SENTENCES,
@@ -27,7 +26,9 @@ from .native_block import (
     Rules,
     WireRow,
     lengths_of,
+    with_coordinates,
 )
+from .vector import Layout
 from .wiring import Wire, layout_of
 
 
@@ -99,11 +100,16 @@ def coupled_inside(
     exposed = {one: _exposed(slave, insides, one) for one in ("parameter", "input", "output")}
     ports = [options.output[v.name] for v in slave.table if v.causality == "output"]
     limits = [row for row, port in zip(exposed["output"], ports) if port in options.limits]
+    owner = NOWHERE
+    if coupling.advanced.coordinates:
+        owner = _owner(options.wires, wires, insides, layout)
+    if owner != NOWHERE:
+        layout = with_coordinates(layout, rows[owner].coordinates)
     setup = CoupledSetup(
         Rules(*(known[name] for name in Rules._fields)),
         layout,
         saved=sum(row.variables + row.states for row in rows),
-        pairs=min(KEPT, len(layout.unknowns)),
+        owner=owner,
         order=np.array([names.index(name) for name in options.order], float),
         starting=np.array([names.index(name) for name in options.participants], float),
         participants=_matrix(rows),
@@ -150,12 +156,39 @@ def _participants(
                 setup=len(inside.setup),
                 contents=filled,
                 saved=saved,
+                **_coordinates(inside),
             )
         )
         filled += len(inside.setup) + reals + integers
         saved += inside.slave.real_count + states
         sentence += len(inside.part.faults)
     return rows
+
+
+def _coordinates(inside: Inside) -> dict[str, int]:
+    """Return where the coordinates of a participant are."""
+    k = inside.part.coordinates
+    if k == NOWHERE:
+        return {}
+    first, end = inside.setup[PARTS_FROM + k : PARTS_FROM + k + 2].astype(int).tolist()
+    return dict(first_coordinate=first, coordinates=end - first)
+
+
+def _owner(
+    wires: Sequence[Wire], rows: Sequence[WireRow], insides: Mapping[str, Inside], layout: Layout
+) -> int:
+    """Return the participant whose coordinates determine all unknowns, `NOWHERE` for none.
+
+    Other elements follow from one evaluation to the next, unless they have a tolerance.
+    """
+    unknown = [wire for wire, row in zip(wires, rows) if row.is_unknown]
+    owners = {wire.source[0] for wire in unknown}
+    if len(owners) != 1 or np.isfinite(np.delete(layout.tolerance, layout.unknowns)).any():
+        return NOWHERE
+    (owner,) = owners
+    part = insides[owner].part
+    has_all = part.coordinates != NOWHERE and not {w.source[1] for w in unknown} & {*part.direct}
+    return list(insides).index(owner) if has_all else NOWHERE
 
 
 def _contents(inside: Inside) -> np.ndarray:

@@ -7,21 +7,18 @@ from numba import types
 
 from ..fmi.block import keep
 from ..fmi.compiled import compiled
-from ..fmi.native_parts import NOWHERE
 from ..fmi.noted import refuse, take_over
-from .methods.iteration import NONE, Answer, converge
 from .native_block import (
     FAULT,
     ON_WIRE,
     WireRow,
     participant_from,
     parts_of,
-    rules_of,
     setup_of,
     state_of,
     wire_from,
 )
-from .vector import Evaluation, Layout, largest
+from .vector import Layout
 
 START, ADVANCE, TANGENT = map(float, range(3))
 """Entries by their number."""
@@ -39,14 +36,20 @@ native_part = types.ExternalFunction(
 
 
 class System(NamedTuple):
-    """Participants and wires; order : stepping order; saved : saved variables and states."""
+    """Participants and wires; order : stepping order; saved : saved variables and states.
+
+    owner, scale : participant whose coordinates determine all unknowns, `NOWHERE` for none, and
+    their scale.
+    """
 
     layout: Layout
     participants: np.ndarray
     wires: np.ndarray
     order: np.ndarray
+    owner: int
     inside: np.ndarray
     saved: np.ndarray
+    scale: np.ndarray
     failures: np.ndarray
     faults: np.ndarray
 
@@ -61,8 +64,10 @@ def system_of(memory: np.ndarray):
         participants=setup.participants,
         wires=setup.wires,
         order=setup.order,
+        owner=setup.owner,
         inside=parts.inside,
         saved=state_of(memory).saved,
+        scale=state_of(memory).scale,
         failures=parts.failures,
         faults=parts.faults,
     )
@@ -197,157 +202,3 @@ def refuse_element(
     """Note a fault of the k-th element of a wire."""
     i, j = k // wire.columns + 1, k % wire.columns + 1
     refuse(faults, wire.sentence + which, float(i), float(j), a, b, c)
-
-
-class Step(NamedTuple):
-    """Macro step of a system: begin and length [s].
-
-    trail : ndarray, shape (evaluations, wires), measures of the wires; evaluations beyond are not
-    recorded. evaluations : ndarray, shape (1,), their number so far.
-    """
-
-    system: System
-    time: float
-    length: float
-    trail: np.ndarray
-    evaluations: np.ndarray
-
-
-@compiled
-def step_all(step: Step, used: np.ndarray, outputs: np.ndarray):
-    """Step every participant once from its saved state, as `Interface.evaluate`.
-
-    Parameters
-    ----------
-    step : Step
-    used : ndarray, shape (size,)
-        Iterate; the elements that are no unknowns are set to the outputs.
-    outputs : ndarray, shape (size,)
-        Written.
-
-    Returns
-    -------
-    bool
-        Whether all participants took the step.
-    """
-    system = step.system
-    numbers = np.zeros(4)
-    numbers[0] = step.length
-    numbers[1] = step.time
-    for k in range(len(system.order)):
-        p = int(system.order[k])
-        restore_one(system, p)
-        for w in range(len(system.wires)):
-            wire = wire_of(system, w)
-            if wire.target == p:
-                feed(system, wire, used)
-                if not is_fed_well(system, wire, system.failures):
-                    return False
-        if not call(system, p, ADVANCE, numbers, system.failures):
-            return False
-        for w in range(len(system.wires)):
-            wire = wire_of(system, w)
-            if wire.source == p:
-                read(system, wire, outputs)
-                if not wire.is_unknown:
-                    keep(of_wire(wire, used), of_wire(wire, outputs))
-    return True
-
-
-@compiled
-def evaluate(step: Step, x: np.ndarray):
-    """Return the `Answer` of all participants to an iterate."""
-    used = x.copy()
-    outputs = np.zeros(len(x))
-    is_answered = step_all(step, used, outputs)
-    # an element that is fed back was used as in x, another one as in the outputs
-    at = Evaluation(used, outputs, outputs - x)
-    tolerance = step.system.layout.tolerance
-    shares = np.abs(at.residual) / tolerance
-    measure = largest(shares) if is_answered else -1.0
-    k = int(step.evaluations[0])
-    if is_answered and k < len(step.trail):
-        begin = 0
-        for w, end in enumerate(step.system.layout.ends):
-            step.trail[k, w] = largest(shares[begin:end])
-            begin = end
-        step.evaluations[0] = k + 1.0
-    return Answer(at, measure, tolerance)
-
-
-@compiled
-def derivative(step: Step, change: np.ndarray, result: np.ndarray):
-    """Linearise an evaluation, as `Interface.derivative`; return whether all of them answered."""
-    system = step.system
-    input_change = np.zeros(len(change))
-    keep(result, input_change)
-    for w in range(len(system.wires)):
-        wire = wire_of(system, w)
-        if wire.is_unknown:
-            keep(of_wire(wire, input_change), of_wire(wire, change))
-    numbers = np.zeros(4)
-    for k in range(len(system.order)):
-        p = int(system.order[k])
-        real = real_of(system, p)
-        seeds = real[participant_from(system.participants[p]).variables :]
-        keep(seeds, np.zeros(len(seeds)))
-        reads = False
-        writes = False
-        for w in range(len(system.wires)):
-            wire = wire_of(system, w)
-            writes = writes or wire.source == p
-            if wire.target == p:
-                reads = True
-                if wire.seed != NOWHERE:
-                    keep(variable_of(system, wire, p, wire.seed), of_wire(wire, input_change))
-        if not (reads and writes):
-            continue  # nothing depends on it, or it depends on nothing
-        if not call(system, p, TANGENT, numbers, system.failures):
-            return False
-        for w in range(len(system.wires)):
-            wire = wire_of(system, w)
-            if wire.source == p:
-                keep(of_wire(wire, result), variable_of(system, wire, p, wire.product))
-                if not wire.is_unknown:
-                    keep(of_wire(wire, input_change), of_wire(wire, result))
-    return True
-
-
-@compiled
-def note_worst(system: System, residual: np.ndarray):
-    """Note the fault of the wire with the largest residual."""
-    shares = np.abs(residual) / system.layout.tolerance
-    shares[np.isnan(shares)] = np.inf
-    k = np.argmax(shares)
-    for w in range(len(system.wires)):
-        wire = wire_of(system, w)
-        if 0 <= k - wire.first < wire.elements:
-            x, allowed = float(residual[k]), float(system.layout.tolerance[k])
-            refuse_element(system.failures, wire, k - wire.first, ON_WIRE.worst, x, allowed, 0.0)
-
-
-@compiled
-def find(memory: np.ndarray, x: np.ndarray, time: float, length: float, noted: np.ndarray):
-    """Replace a guess by the fixed point of a macro step; return False and note why if none.
-
-    noted : ndarray, written: evaluations, products, and the measures of all wires by evaluation;
-    nothing if it is empty.
-    """
-    system = system_of(memory)
-    system.failures[0] = 0.0
-    wires = len(system.wires)
-    rows = (len(noted) - 2) // wires if len(noted) > 0 and wires > 0 else 0
-    trail = noted[len(noted) - rows * wires :].reshape((rows, wires))
-    counts = noted[:2] if rows > 0 else np.zeros(2)
-    step = Step(system, time, length, trail, counts)
-    pairs = state_of(memory).pairs
-    rules = rules_of(memory)
-    end = converge(evaluate, derivative, step, x, rules, system.layout, pairs)
-    counts[1] = end.products
-    if end.is_converged:
-        keep(x, end.at.used)
-    if end.failure != NONE:
-        count, best, last = len(end.history), np.min(end.history), end.history[-1]
-        refuse(system.failures, end.failure, float(count), 0.0, last, best, 0.0)
-        note_worst(system, end.at.residual)
-    return end.is_converged

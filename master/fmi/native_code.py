@@ -129,7 +129,7 @@ and forbids inlining. Here only one thread uses the blocks of an instance."""
 
 WIDE = "+avx2"
 """Processor feature of the second version of `TWICE`: vectors of four numbers."""
-TWICE = ("invert_in_place", "substitute", "read", "read_both", "add_shell_pushes")
+TWICE = ("invert_in_place", "substitute", "read", "read_both", "spread", "add_shell_pushes")
 """Kernels with two versions in a library for x86-64: the most expensive loops. Both give the
 same bits, because no multiplication is fused with an addition."""
 

@@ -10,6 +10,16 @@ from .slave import reserved
 
 NOWHERE = -1
 """Position of a variable that does not exist."""
+WHOLE, TO_COORDINATES, FROM_COORDINATES, READ, PLACE, MEASURE = map(float, range(6))
+"""What an entry `tangent` does, the first of its numbers.
+
+WHOLE: from seeds to products. The others use the coordinates of the model, on which its outputs
+depend. TO_COORDINATES, FROM_COORDINATES: from seeds to changes of them, and on to products, roughly
+if the second of the numbers is not 0.
+READ: write them, at the end of the step. PLACE: outputs at coordinates at the end of a step from
+the state, whose length is the second of the numbers [s]. MEASURE: write how much each one changes
+the outputs.
+"""
 
 
 @compiled
@@ -60,6 +70,10 @@ class NativePart(NamedTuple):
         Yields faults of build options, checked or as in a case, that the library does not cover.
     uncovered_values : callable
         As `uncovered`, for all parameters in SI, choices by number.
+    coordinates : int
+        Part of the memory, `NOWHERE` for none: all coordinates of the model, or their change.
+    direct : tuple of str
+        Outputs that inputs also change without the coordinates.
     """
 
     entries: tuple[Any, ...]
@@ -68,3 +82,5 @@ class NativePart(NamedTuple):
     refusal: str
     uncovered: Callable[[Mapping[str, Any]], Iterable[str]] = lambda options: ()
     uncovered_values: Callable[[Mapping[str, Any]], Iterable[str]] = lambda values: ()
+    coordinates: int = NOWHERE
+    direct: tuple[str, ...] = ()

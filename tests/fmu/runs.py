@@ -183,9 +183,14 @@ def make(package, options, folder, native=False, version="2.0", **more):
     return build_fmu(package, options, folder, version=version, **more)
 
 
-def export(tree, path=EXAMPLE, native=False, version="2.0"):
-    """Return the coupled FMU of a tree, native or in Python."""
+def export(tree, path=EXAMPLE, native=False, version="2.0", coordinates=False):
+    """Return the coupled FMU of a tree, native or in Python.
+
+    The native one iterates on wires as the one in Python does, to round-off, or in coordinates.
+    """
     if native:
         needs_compiler()
+    advanced = tree["coupling"].get("advanced", {}) | {"coordinates": coordinates}
+    tree = tree | {"coupling": tree["coupling"] | {"advanced": advanced}}
     platforms = ["linux64"] if native else ()
     return export_fmu(check_case(tree, path), path.parent, print, version, platforms)

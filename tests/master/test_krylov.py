@@ -1,10 +1,13 @@
 """The parts of GMRES compared with numpy's linear algebra."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from piston_cosim.master.coupling.methods import krylov
-from piston_cosim.master.coupling.methods.krylov import NOISE, Goal, Pairs, Space
+from piston_cosim.master.coupling.methods.iteration import excess
+from piston_cosim.master.coupling.methods.krylov import NOISE, Goal, Space, no_pairs
 
 
 def of_products(rng, products, images):
@@ -20,7 +23,9 @@ def of_products(rng, products, images):
 
 def remembered(rng, kept, n, filled):
     """Pairs that have been learned one by one, more than are kept if need be."""
-    pairs = Pairs(*np.zeros((2, kept, n)), np.zeros((kept, kept)), *np.zeros((2, 1)))
+    pairs = no_pairs(n, kept)._replace(
+        images=np.zeros((kept, n)), differences=np.zeros((kept, n)), gram=np.zeros((kept, kept))
+    )
     for _ in range(filled):
         direction, product = rng.standard_normal((2, 1, n))
         known = of_products(rng, product, pairs.images)
@@ -70,12 +75,8 @@ def test_no_more_pairs_than_their_directions_need(known):
     rng = np.random.default_rng(5)
     kept, n, used = 12, 40, min(known, 7)
     plane = np.linalg.qr(rng.standard_normal((n, 2)))[0].T
-    pairs = Pairs(
-        *np.zeros((2, kept, n)),
-        np.zeros((kept, kept)),
-        np.array([float(known % kept)]),
-        np.zeros(1),
-    )
+    pairs = no_pairs(n, kept)
+    pairs.oldest[0] = known % kept
     for k in range(known):
         pairs.images[k % kept] = np.array([np.cos(k), np.sin(k)]) @ plane
         pairs.differences[k % kept] = rng.standard_normal(n)
@@ -91,10 +92,10 @@ def test_no_more_pairs_than_their_directions_need(known):
 
 
 def test_every_element_is_looked_at():
-    limits = np.array([1.0, 0.5, np.inf])
-    assert krylov.is_within(np.array([-1.0, 0.5, 1e9]), limits)
+    linear = SimpleNamespace(limits=np.array([1.0, 0.5, np.inf]))
+    assert excess(linear, np.array([-1.0, 0.5, 1e9])) <= 1.0
     for beyond in ([-1.1, 0.0, 0.0], [0.0, 0.51, 0.0], [0.0, np.nan, 0.0]):
-        assert not krylov.is_within(np.array(beyond), limits)
+        assert excess(linear, np.array(beyond)) > 1.0
 
 
 def test_orthogonal_part():
@@ -177,8 +178,11 @@ def test_a_product_that_is_refused_ends_the_solve():
         out[:] = system @ v
         return k < 4
 
+    def never(system, residual):
+        return 2.0
+
     pairs = remembered(rng, 9, 12, 0)
     for most, is_answered in ((4, True), (5, False)):
-        goal = Goal(np.full(12, 1e-9), 1e-9)
-        solved = krylov.minimise(stretched, matrix, rng.standard_normal(12), goal, pairs, most)
+        goal, right = Goal(1e-9, 0.0), rng.standard_normal(12)
+        solved = krylov.minimise(stretched, never, matrix, right, goal, pairs, most)
         assert (solved.is_answered, len(solved.weights)) == (is_answered, 4 * is_answered)

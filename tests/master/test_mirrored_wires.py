@@ -1,11 +1,12 @@
 """Half of the unknowns of a mirrored wire in Newton's iteration."""
 
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from piston_cosim.master.coupling.methods.iteration import Answer, converge
+from piston_cosim.master.coupling.methods.iteration import Answer, converge, field_update
 from piston_cosim.master.coupling.methods.krylov import no_pairs
 from piston_cosim.master.coupling.methods.newton import Newton
 from piston_cosim.master.coupling.vector import Evaluation, largest
@@ -40,7 +41,8 @@ def solved(matrix, constant, mirrored=True):
 
     pairs = no_pairs(size)
     rules: SimpleNamespace | Newton = Newton()
-    end = converge(evaluate, derivative, None, np.zeros(2 * size), rules, layout, pairs)
+    update = partial(field_update, derivative)
+    end = converge(evaluate, update, None, np.zeros(2 * size), rules, layout, pairs)
     return end, pairs, np.array(seen), layout
 
 

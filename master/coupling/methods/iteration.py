@@ -55,7 +55,8 @@ class NewtonSystem(NamedTuple):
         Argument of `derivative`.
     unknowns, images : ndarray of int, shape (unknowns,)
         Positions of the unknowns and of their mirror images, which have the same values.
-    scale : ndarray, shape (unknowns,)
+    scale, limits : ndarray, shape (unknowns,)
+        Of the unknowns, and bounds on the scaled residual.
     seed : ndarray, shape (size,)
         Argument of `derivative`; 0 except for the unknowns.
     products : ndarray, shape (most, size)
@@ -67,6 +68,7 @@ class NewtonSystem(NamedTuple):
     unknowns: Positions
     images: Positions
     scale: Array
+    limits: Array
     seed: Array
     products: Array
 
@@ -115,6 +117,12 @@ def product(linear: NewtonSystem, k: int, direction: Array, out: Array):
 
 
 @compilable
+def excess(linear: NewtonSystem, residual: Array):
+    """Return 1 if no element of a scaled residual exceeds its limit, else 2: it is asked again."""
+    return 1.0 if (np.abs(residual) <= linear.limits).all() else 2.0
+
+
+@compilable
 def unknowns_of(answer: Answer, layout: Layout, pairs: Pairs):
     """Return the unknowns of an update and their mirror images, see `Layout`.
 
@@ -131,7 +139,9 @@ def unknowns_of(answer: Answer, layout: Layout, pairs: Pairs):
 
 
 @compilable
-def update(derivative: Any, step: Any, answer: Answer, rules: Any, layout: Layout, pairs: Pairs):
+def field_update(
+    derivative: Any, step: Any, answer: Answer, rules: Any, layout: Layout, pairs: Pairs
+):
     """Return the Newton update at an evaluation, see `converge`."""
     at = answer.at
     if len(layout.unknowns) == 1:
@@ -139,11 +149,12 @@ def update(derivative: Any, step: Any, answer: Answer, rules: Any, layout: Layou
     size = len(at.used)
     unknowns, images = unknowns_of(answer, layout, pairs)
     known = Pairs(
-        first_columns(pairs.images, len(unknowns)),
-        first_columns(pairs.differences, len(unknowns)),
-        pairs.gram,
-        pairs.oldest,
-        pairs.is_whole,
+        images=first_columns(pairs.images, len(unknowns)),
+        differences=first_columns(pairs.differences, len(unknowns)),
+        gram=pairs.gram,
+        oldest=pairs.oldest,
+        is_whole=pairs.is_whole,
+        noise=pairs.noise,
     )
     # an element and its image count twice, so that norms are those of the whole field
     scale = layout.nominal[unknowns] / np.sqrt(1.0 + (images != unknowns))
@@ -155,13 +166,14 @@ def update(derivative: Any, step: Any, answer: Answer, rules: Any, layout: Layou
         unknowns=unknowns,
         images=images,
         scale=scale,
+        limits=rules.accuracy * answer.allowed[unknowns] / scale,
         seed=np.zeros(size),
         products=products,
     )
-    limits = rules.accuracy * answer.allowed[unknowns] / scale
-    goal = Goal(limits, rules.forcing * length(right))
+    # no element is larger than it may be only where the whole is not
+    goal = Goal(rules.forcing * length(right), length(linear.limits))
     most = rules.largest_krylov_space
-    solved = minimise(product, linear, right, goal, known, most)  # Eq. (Q1)
+    solved = minimise(product, excess, linear, right, goal, known, most)  # Eq. (Q1)
     x, count, is_answered = solved.x, len(solved.weights), solved.is_answered
     if is_answered and count > 0:
         learn(known, solved.space, count)
@@ -206,7 +218,7 @@ def failure_of(outputs: Array, history: Array, most: int):
 @compilable
 def converge(
     evaluate: Any,
-    derivative: Any,
+    update: Any,
     step: Any,
     guess: Array,
     rules: Any,
@@ -221,8 +233,8 @@ def converge(
     ----------
     evaluate : callable(step, x)
         Returns an `Answer`.
-    derivative : callable
-        See `NewtonSystem`.
+    update : callable(step, answer, rules, layout, pairs)
+        Returns an `Update`, as `field_update` does.
     step : object
         First argument of both.
     guess : ndarray, shape (size,)
@@ -246,7 +258,7 @@ def converge(
         failure = failure_of(answer.at.outputs, history[:count], rules.max_iterations)
         if failure != NONE:
             break
-        change, more, is_answered = update(derivative, step, answer, rules, layout, pairs)
+        change, more, is_answered = update(step, answer, rules, layout, pairs)
         products += more
         if not is_answered:
             break

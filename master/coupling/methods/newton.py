@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .iteration import FAILURES, NONE, SENTENCES, Answer, converge
+from .iteration import FAILURES, NONE, SENTENCES, Answer, Update, converge, field_update
 from .krylov import RecycledGmres
 from .probing import ProbedStep
 from .solution import NotConverged, Solution, Tried, check_finite
@@ -58,9 +58,7 @@ class Newton:
     def _iterate(self, macro_step: Tried, guess: np.ndarray, memory: RecycledGmres) -> Solution:
         interface = macro_step.interface
         pairs = memory.pairs_of(len(interface.unknowns))
-        end: Any = converge(
-            _evaluate, _derivative, macro_step, guess, self, interface.layout, pairs
-        )
+        end: Any = converge(_evaluate, _update, macro_step, guess, self, interface.layout, pairs)
         history = end.history.tolist()
         if end.failure == FAILURES.not_finite:
             check_finite(interface, end.at, history)
@@ -78,6 +76,11 @@ def _evaluate(macro_step: Tried, x: np.ndarray) -> Answer:
     at = macro_step.evaluate(x)
     measure = interface.measure(at.residual, at.outputs)
     return Answer(at, measure, interface.allowed(at.outputs))
+
+
+def _update(macro_step: Tried, *arguments: Any) -> Update:
+    """Return the Newton update at an evaluation."""
+    return field_update(_derivative, macro_step, *arguments)
 
 
 def _derivative(macro_step: Tried, change: np.ndarray, out: np.ndarray) -> bool:
