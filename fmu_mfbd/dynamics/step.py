@@ -431,8 +431,9 @@ def moved_by(
 def film_measures(model: BodyModel, last: StepEnd) -> np.ndarray:
     """Return how much each coordinate changes the films, by the bore read along the stroke.
 
-    It is the root of the sum over cells of squared changes of film thickness, per unit of the
-    coordinate, as a root mean square over `HEIGHTS` crank angles.
+    It is the root of the sum over cells of squared changes of film thickness, and of the way that
+    the change of velocity is in the step, per unit of the coordinate: as a root mean square over
+    `HEIGHTS` crank angles.
     """
     by = reach_of(last.coefficients, model.parts.kinds)
     out = np.zeros(len(by.position))
@@ -443,8 +444,9 @@ def film_measures(model: BodyModel, last: StepEnd) -> np.ndarray:
             at = height(model.parts.mechanism, 0.0, np.pi * (i + 0.5) / HEIGHTS).height
             there = StepEnd(last.coefficients, at, last.now, last.crank, last.linear)
             films = moved_films(model.parts, there, unit, False)
-            skirt, pins = films.skirt.film_thickness, films.pins.film_thickness
-            out[k] += (skirt @ skirt + pins @ pins) / HEIGHTS
+            for film in (films.skirt, films.pins):
+                opened, slid = film.film_thickness, last.coefficients.step * film.sliding_velocity
+                out[k] += (opened @ opened + slid @ slid) / HEIGHTS
     return np.sqrt(out)
 
 
