@@ -338,6 +338,7 @@ def coordinate_update(step: Step, answer: Answer, rules: Rules, layout: Layout, 
     goal = Goal(rules.forcing * length(right), np.inf)
     linear = CoordinateSystem(step, values, limits)
     most = rules.largest_krylov_space
+    # Eq. (Q13)
     solved = minimise(coordinate_product, coordinate_excess, linear, right, goal, pairs, most)
     count += len(solved.weights)
     if not solved.is_answered:
