@@ -15,7 +15,7 @@ from ..case.reading import read_tree
 from ..engine.measures import directions
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, for_all
-from ..results.words import entry_in_words
+from ..results.words import entry_in_words, words_and_unit
 from ..runs.design_space import ANGLES, DesignSpace, range_of, shapes_of
 from ..runs.optimisation import TOLERANCE, Search, Task, known_figure, limit_of, optimise
 from ..runs.pool import LocalPool
@@ -182,7 +182,7 @@ def _compare(rows, points):
 def _say_active(found, points):
     """Print the limits that the result reaches."""
     for one in found.active:
-        words = entry_in_words(one.limit.figure).partition(" [")[0]
+        words = words_and_unit(one.limit.figure)[0]
         where = f" at point {one.point + 1}" if len(points) > 1 else ""
         gain = f"1 % of it changes the goal by {one.multiplier:.2g} %"
         tell(f"limit    {words}{where} is reached: {gain}")

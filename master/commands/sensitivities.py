@@ -10,7 +10,7 @@ from ..case.reading import read_tree
 from ..engine.measures import directions
 from ..fmi.errors import BadInput, for_all
 from ..fmi.quantities import numbers_text
-from ..results.words import entry_shown
+from ..results.words import entry_shown, words_and_unit
 from ..runs.design_space import ANGLES, DesignSpace, number_of, shapes_of
 from ..runs.pool import LocalPool
 from ..runs.sensitivities import Runs, map_of, sensitivities, use_of
@@ -112,16 +112,14 @@ def _print(found, steps):
         value = next(iter(own.values())).value
         for name in names:
             one = own.get(name)
-            label, (change, spread) = (
-                entry_shown(figure, [one.change, one.spread]) if one else ("", (0, 0))
-            )
-            text = numbers_text(change, spread) if one else "failed"
-            unit = label.partition("[")[2].rstrip("]")
-            text = f"{text} {unit}".strip()
-            cells.append(text if one is None or one.is_resolved else f"({text})")
-        label, (shown,) = entry_shown(figure, [value])
-        words, _, unit = label.partition(" [")
-        table.add_row(words, f"{shown:.4g} {unit.rstrip(']')}".strip(), *cells)
+            if one is None:
+                cells.append("failed")
+                continue
+            shown = entry_shown(figure, [one.change, one.spread])
+            text = f"{numbers_text(*shown.values)} {shown.unit}".strip()
+            cells.append(text if one.is_resolved else f"({text})")
+        shown = entry_shown(figure, [value])
+        table.add_row(shown.words, f"{shown.values[0]:.4g} {shown.unit}".strip(), *cells)
     wide_console().print(table, highlight=False, markup=False)
 
 
@@ -147,7 +145,7 @@ def _draw(found, steps, folder):
     effects = {}
     for one in found:
         if one.value and (one.change or one.spread):
-            words = entry_shown(one.figure, [one.value])[0].partition(" [")[0]
+            words, _ = words_and_unit(one.figure)
             percent = 100.0 * one.change / abs(one.value), 100.0 * one.spread / abs(one.value)
             effects.setdefault(words, {})[one.variable] = percent
     if effects:
@@ -164,10 +162,9 @@ def _draw_maps(found, skirt, folder):
         }
         if all(name in slopes for name in skirt.names) and any(slopes[n] for n in skirt.names):
             values = map_of(skirt, [slopes[name] for name in skirt.names])
-            label, shown = entry_shown(figure, (1e-8 * values).ravel().tolist())
-            words, _, unit = label.partition(" [")
-            title = f"{words} [{unit.rstrip(']') or '1'} per µm on 1 % of the skirt]"
-            maps[title] = shown.reshape(values.shape)
+            shown = entry_shown(figure, (1e-8 * values).ravel().tolist())
+            title = f"{shown.words} [{shown.unit or '1'} per µm on 1 % of the skirt]"
+            maps[title] = shown.values.reshape(values.shape)
     if maps:
         picture = draw_maps(maps, ANGLES, 1e3 * skirt.heights, folder / "maps.png")
         tell(f"maps     {picture}")

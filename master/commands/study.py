@@ -94,12 +94,12 @@ def _summary(said, names, limits):
         values = [row.summary.get(name, nan) for row in said]
         limit = limits.get(name)
         more = [limit.value, limit.uncertainty] if limit else []
-        head, shown = entry_shown(name, [*values, *more])
-        cells = ["" if isnan(value) else _digits(value) for value in shown[: len(values)]]
+        entry = entry_shown(name, [*values, *more])
+        cells = ["" if isnan(value) else _digits(value) for value in entry.values[: len(values)]]
         if limit:
             order = "none" if isnan(limit.order) else f"{limit.order:.2g}"
-            cells += [numbers_text(*shown[len(values) :]), order]
-        columns.append((head, cells))
+            cells += [numbers_text(*entry.values[len(values) :]), order]
+        columns.append((entry.label, cells))
     table = Table("", *(head for head, _ in columns), box=None, title="summary")
     ends = ["extrapolated", "observed order"] if limits else []
     for k, label in enumerate([*(row.run for row in said), *ends]):

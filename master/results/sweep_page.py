@@ -109,13 +109,13 @@ def _output(name, done, direction):
     known = [point.row.get(f"{name}_uncertainty") for point in done]
     sizes = [_number({"": one}, "") for one in known]
     numbers = [np.nan if size is None else size for size in sizes]
-    label, shown = entry_shown(name, [*(point.row[name] for point in done), *numbers])
-    values, scaled = shown[: len(done)].tolist(), shown[len(done) :].tolist()
+    shown = entry_shown(name, [*(point.row[name] for point in done), *numbers])
+    values, scaled = shown.values[: len(done)].tolist(), shown.values[len(done) :].tolist()
     texts = [one if isinstance(one, str) and one else None for one in known]
     errors = [text if size is None else own for text, size, own in zip(texts, sizes, scaled)]
     if not any(error is not None for error in errors):
         errors = []
-    return {"name": label, "direction": direction, "values": values, "uncertainties": errors}
+    return {"name": shown.label, "direction": direction, "values": values, "uncertainties": errors}
 
 
 def _check(row):

@@ -1,6 +1,7 @@
 """Names of variables and summary entries in words, and units that suit their values."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,23 +50,35 @@ ENDINGS = {
 
 def entry_in_words(name: str) -> str:
     """Return a summary entry in words: mean_friction_power_w -> "mean friction power [W]"."""
-    words, unit = _with_unit(name)
-    return labelled(words, unit)
+    return labelled(*words_and_unit(name))
 
 
-def _with_unit(name):
-    """Return a summary's entry in words, and its unit or nothing."""
+def words_and_unit(name: str) -> tuple[str, str]:
+    """Return a summary entry in words, and its SI unit, "" for a pure number."""
     ending = next((one for one in ENDINGS if name.endswith(one)), "")
     return name.removesuffix(ending).replace("_", " "), ENDINGS.get(ending, "")
 
 
-def entry_shown(name: str, values: Sequence[float]) -> tuple[str, np.ndarray]:
-    """Return a summary entry in words with a unit that suits its values, and the values in it."""
+class ShownEntry(NamedTuple):
+    """Summary entry in words, with values in `unit`, "" for pure numbers."""
+
+    words: str
+    unit: str
+    values: np.ndarray
+
+    @property
+    def label(self) -> str:
+        """The words with the unit."""
+        return labelled(self.words, self.unit)
+
+
+def entry_shown(name: str, values: Sequence[float]) -> ShownEntry:
+    """Return a summary entry in words with a unit that suits its values."""
     array = np.asarray(values, float)
-    words, unit = _with_unit(name)
+    words, unit = words_and_unit(name)
     largest = max(np.abs(array[np.isfinite(array)]), default=0.0)
     shown, label = scaled(array, unit, "deg" if unit == "rad" else handy_unit(unit, largest))
-    return labelled(words, label), shown
+    return ShownEntry(words, label, shown)
 
 
 def handy_unit(unit: str, largest: float) -> str | None:

@@ -26,7 +26,7 @@ from scipy.optimize import minimize, nnls
 
 from ..fmi.errors import BadInput, unknown
 from ..fmi.quantities import to_si
-from ..results.words import ENDINGS
+from ..results.words import words_and_unit
 from .design_space import Changes
 from .sensitivities import Row, Runs
 
@@ -78,7 +78,7 @@ def limit_of(text: str, directions: Mapping[str, str]) -> Limit:
         if sign_is_there:
             figure = known_figure(name.strip(), directions, "--limit")
             try:
-                return Limit(figure, sign, to_si(value.strip(), unit_of(figure)))
+                return Limit(figure, sign, to_si(value.strip(), words_and_unit(figure)[1] or "1"))
             except ValueError as error:
                 raise BadInput(f"--limit {figure}: {error}") from None
     if any(one in text for one in "<>="):
@@ -87,13 +87,6 @@ def limit_of(text: str, directions: Mapping[str, str]) -> Limit:
     if directions[figure] == "none":
         raise BadInput(f"--limit {figure}: expected FIGURE<=VALUE or FIGURE>=VALUE, got no value")
     return Limit(figure, -1.0 if directions[figure] == "raise" else 1.0)
-
-
-def unit_of(figure: str) -> str:
-    """Return the SI unit at the end of the name of a figure, "1" without one."""
-    ending = next((one for one in ENDINGS if figure.endswith(one)), "")
-    unit = ENDINGS.get(ending, "1")
-    return {"m³/s": "m3/s", "N m": "N.m"}.get(unit, unit)
 
 
 @dataclass(frozen=True)

@@ -197,6 +197,13 @@ def test_limits_have_signs_and_units():
     assert limit_of(FILM, ways) == Limit(FILM, -1.0)
     assert limit_of("maximum_pressure_pa <= 4 MPa", ways) == Limit("maximum_pressure_pa", 1.0, 4e6)
     assert limit_of(f"{FILM}>=3um", ways) == Limit(FILM, -1.0, pytest.approx(3e-6))
+    ways = {"oil_flow_m3_s": "none", "mount_moment_nm": "none", "contact_share": "none"}
+    for text, value in (
+        ("oil_flow_m3_s<=6 l/min", 1e-4),
+        ("mount_moment_nm<=2 kN.m", 2e3),
+        ("contact_share<=1 %", 0.01),
+    ):
+        assert limit_of(text, ways).value == pytest.approx(value)
 
 
 @pytest.mark.parametrize("step", ["5 K", "5 degC", "9 degF"])

@@ -303,7 +303,7 @@ def test_a_measure_has_one_name_in_lines_and_tables(tmp_path):
     with made(tmp_path) as results:
         table = measures(check_case(results.case, PATH), results)
     for key in DESIGN:
-        assert entry_shown(key, [1.0])[0].partition(" [")[0] == table.worst(key).label
+        assert entry_shown(key, [1.0]).words == table.worst(key).label
 
 
 def test_entries_of_a_sweep_have_the_uncertainty_of_equal_measures(tmp_path):
