@@ -18,7 +18,7 @@ References
 for large-scale bound-constrained minimization problems, SIAM J. Sci. Comput. 21 (1999) 1.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +26,7 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from ..fmi.errors import BadInput, Stopped
-from .optimisation import STEP
+from .optimisation import Values, differences
 
 ALIKE = 0.95
 """Correlation above which two parameters cannot be told apart: our own choice."""
@@ -34,9 +34,6 @@ SETTLED = 1e-4
 """Relative change of the sum of squares, and of the shares, at which the search ends."""
 UNKNOWN = 1e-10
 """Smallest share of the largest singular value of J that determines a combination of parameters."""
-
-Residuals = Callable[[Sequence[np.ndarray]], list[np.ndarray | None]]
-"""Residuals r of designs; None for one whose run fails."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +53,7 @@ class Calibration:
 
 
 def calibrate(
-    residuals: Residuals, bounds: Sequence[tuple[float, float]], has_bands: bool
+    residuals: Values, bounds: Sequence[tuple[float, float]], has_bands: bool
 ) -> Calibration:
     """Return the parameters that agree best with measured values.
 
@@ -76,7 +73,7 @@ def calibrate(
     Stopped
         If a run fails in the search.
     """
-    count, low, high = len(bounds), *np.array(bounds).T
+    count = len(bounds)
     (first,) = residuals([np.zeros(count)])
     if first is None:
         raise BadInput("the case itself: its run fails")
@@ -85,32 +82,26 @@ def calibrate(
             f"measured: expected more than {count} values within the run, got {first.size}"
         )
 
-    def alike_in_size(one):
-        if one.size != first.size:
-            raise BadInput(
-                f"measured: expected values within all runs, got {first.size} within the case "
-                f"and {one.size} within another run"
-            )
-        return one
+    def values(designs):
+        made = residuals(designs)
+        for x, one in zip(designs, made):
+            if one is None:
+                raise Stopped(f"a run fails at the shares {np.round(x, 3).tolist()} of the ranges")
+            if one.size != first.size:
+                raise BadInput(
+                    f"measured: expected values within all runs, got {first.size} within the case "
+                    f"and {one.size} within another run"
+                )
+        return made
 
-    def values(x):
-        (one,) = residuals([x])
-        if one is None:
-            raise Stopped(f"a run fails at the shares {np.round(x, 3).tolist()} of the ranges")
-        return alike_in_size(one)
-
-    def slopes(x):
-        steps = np.where(x + STEP <= high, STEP, -STEP)
-        here, moved = values(x), residuals([*(x + np.diag(steps))])
-        if any(one is None for one in moved):
-            raise Stopped("a run fails near the result")
-        return np.array([alike_in_size(one) - here for one in moved if one is not None]).T / steps
+    def at(x):
+        return values([x])[0]
 
     done = least_squares(
-        values,
+        at,
         np.zeros(count),
-        jac=slopes,  # pyright: ignore[reportArgumentType]  # its stubs know the texts alone
-        bounds=(low, high),
+        jac=lambda x: differences(values, x, at(x), bounds),  # pyright: ignore[reportArgumentType]  # its stubs know the texts alone
+        bounds=np.array(bounds).T,
         xtol=SETTLED,
         ftol=SETTLED,
     )

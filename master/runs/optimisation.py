@@ -41,6 +41,9 @@ SETTLED = 1e-4
 BAD = 10.0
 """J of a design whose run fails; that of the case itself is 1 or -1."""
 
+Values = Callable[[Sequence[np.ndarray]], Sequence[np.ndarray | None]]
+"""Values of designs; None for one of which a run fails."""
+
 
 @dataclass(frozen=True)
 class Limit:
@@ -152,8 +155,8 @@ class Search:
     runs: Runs
     watch: Callable[[float, float], object] = lambda value, slack: None
     base: list[Row] = field(default_factory=list[Row])
-    known: dict[bytes, tuple[float, np.ndarray]] = field(default_factory=dict)
-    slopes: dict[bytes, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    known: dict[bytes, np.ndarray] = field(default_factory=dict)
+    slopes: dict[bytes, np.ndarray] = field(default_factory=dict)
     history: list[Trial] = field(default_factory=list[Trial])
 
     def start(self) -> None:
@@ -174,8 +177,12 @@ class Search:
             if not row[self.task.goal]:
                 raise BadInput(f"{self.task.goal}: expected a goal that is not 0 in the case")
 
-    def result(self, rows: Sequence[Row]) -> tuple[float, np.ndarray] | None:
-        """Return J and all g of the rows of one design, None if a run failed; Eq. (V4)."""
+    def values(self, designs: Sequence[np.ndarray]) -> list[np.ndarray | None]:
+        """Return J and all g of designs, shape (1 + m,), None for one of which a run failed."""
+        rows, count = self.runs.rows(designs, self.task.points), len(self.task.points)
+        return [self._value(rows[k * count : (k + 1) * count]) for k in range(len(designs))]
+
+    def _value(self, rows):
         task = self.task
         if any(row["status"] != "done" for row in rows):
             return None
@@ -187,40 +194,52 @@ class Search:
                 # Eq. (V4)
                 size = abs(limit) or abs(base[one.figure]) or 1.0
                 slack.append(one.sign * (limit - row[one.figure]) / size)
-        return task.sign * float(np.mean(shares)), np.array(slack)
+        return np.array([task.sign * float(np.mean(shares)), *slack])
 
-    def at(self, x: np.ndarray) -> tuple[float, np.ndarray]:
-        """Return J and all g of a design."""
+    def at(self, x: np.ndarray) -> np.ndarray:
+        """Return J and all g of a design, shape (1 + m,)."""
         key = x.tobytes()
         if key not in self.known:
-            found = self.result(self.runs.rows([x], self.task.points))
-            count = len(self.task.limits) * len(self.task.points)
-            self.known[key] = found or (BAD, np.full(count, -1.0))
-            value, slack = self.known[key]
-            self.history.append(Trial(x.copy(), value, float(slack.min(initial=0.0))))
-            self.watch(value, self.history[-1].slack)
+            (value,) = self.values([x])
+            if value is None:
+                count = len(self.task.limits) * len(self.task.points)
+                value = np.array([BAD] + [-1.0] * count)
+            self.known[key] = value
+            self.history.append(Trial(x.copy(), float(value[0]), float(value[1:].min(initial=0.0))))
+            self.watch(*self.history[-1][1:])
         return self.known[key]
 
-    def slope(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the gradients of J, shape (n,), and of all g, shape (m, n), at a design."""
+    def slope(self, x: np.ndarray) -> np.ndarray:
+        """Return the gradients of J and all g at a design, shape (1 + m, n)."""
         key = x.tobytes()
         if key not in self.slopes:
-            value, slack = self.at(x)
-            steps = np.array(
-                [
-                    STEP if one + STEP <= high else -STEP
-                    for one, (_, high) in zip(x, self.task.bounds)
-                ]
-            )
-            count = len(self.task.points)
-            rows = self.runs.rows([*(x + np.diag(steps))], self.task.points)
-            slopes = []
-            for k, step in enumerate(steps):
-                found = self.result(rows[k * count : (k + 1) * count])
-                moved = found or (value, slack)  # no slope from a run that failed
-                slopes.append(((moved[0] - value) / step, (moved[1] - slack) / step))
-            self.slopes[key] = np.array([s[0] for s in slopes]), np.array([s[1] for s in slopes]).T
+            self.slopes[key] = differences(self.values, x, self.at(x), self.task.bounds)
         return self.slopes[key]
+
+
+def differences(
+    values: Values, x: np.ndarray, here: np.ndarray, bounds: Sequence[tuple[float, float]]
+) -> np.ndarray:
+    """Return the derivatives of the values of a design with its shares.
+
+    Parameters
+    ----------
+    values : callable
+    x : ndarray, shape (n,)
+    here : ndarray, shape (m,)
+        Values of x.
+    bounds : sequence of (float, float)
+        Lower and upper share of each variable.
+
+    Returns
+    -------
+    ndarray, shape (m, n)
+        0 for a variable whose run fails.
+    """
+    steps = np.where(x + STEP <= np.array(bounds)[:, 1], STEP, -STEP)
+    moved = values([*(x + np.diag(steps))])
+    changes = [(here if one is None else one) - here for one in moved]
+    return np.stack(changes, axis=1) / steps  # rows without strides, which SLSQP misreads
 
 
 def optimise(search: Search) -> Optimum:
@@ -235,7 +254,11 @@ def optimise(search: Search) -> Optimum:
     search.start()
     zero = np.zeros(len(task.bounds))
     before = search.at(zero)[0]
-    within = {"type": "ineq", "fun": lambda x: search.at(x)[1], "jac": lambda x: search.slope(x)[1]}
+    within = {
+        "type": "ineq",
+        "fun": lambda x: search.at(x)[1:],
+        "jac": lambda x: search.slope(x)[1:],
+    }
     done = minimize(
         lambda x: search.at(x)[0],
         zero,
@@ -251,27 +274,26 @@ def optimise(search: Search) -> Optimum:
         if kept
         else max(search.history, key=lambda one: (one.slack, -one.value))
     )
-    gradient, slopes = search.slope(best)
     return Optimum(
         shares=best,
         before=before,
         after=after,
-        active=_active(search, best, gradient, slopes),
+        active=_active(search, best),
         history=search.history,
-        gradient=gradient,
+        gradient=search.slope(best)[0],
         message=done.message,
         slack=slack,
     )
 
 
-def _active(search, x, gradient, slopes):
+def _active(search, x):
     """Return the active limits with their multipliers: grad J = sum of multiplier grad g."""
-    task, slack = search.task, search.at(x)[1]
+    task, slack, slopes = search.task, search.at(x)[1:], search.slope(x)
     free = np.array([low + STEP < one < high - STEP for one, (low, high) in zip(x, task.bounds)])
     active = [k for k, one in enumerate(slack) if one <= CLOSE]
     if not active or not free.any():
         return []
-    multipliers, _ = nnls(slopes[active][:, free].T, gradient[free])
+    multipliers, _ = nnls(slopes[1:][active][:, free].T, slopes[0, free])
     count = len(task.points)
     pairs = zip(active, multipliers)
     return [Active(task.limits[k // count], k % count, float(one)) for k, one in pairs]

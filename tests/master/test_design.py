@@ -12,7 +12,7 @@ from piston_cosim.fmu_mfbd.dynamics.tables import profile_table
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.cache import cache_folder, passing_fmus
-from piston_cosim.master.fmi.errors import BadInput
+from piston_cosim.master.fmi.errors import BadInput, Stopped
 from piston_cosim.master.fmi.quantities import to_si
 from piston_cosim.master.results.compare import Measured, deviations
 from piston_cosim.master.results.recorded import Series
@@ -25,7 +25,15 @@ from piston_cosim.master.runs.design_space import (
     range_of,
     shapes_of,
 )
-from piston_cosim.master.runs.optimisation import BAD, Limit, Search, Task, limit_of, optimise
+from piston_cosim.master.runs.optimisation import (
+    BAD,
+    Limit,
+    Search,
+    Task,
+    differences,
+    limit_of,
+    optimise,
+)
 from piston_cosim.master.runs.sensitivities import Runs, map_of, sensitivities, use_of
 from tests.command import call
 
@@ -133,10 +141,20 @@ def test_limits_of_the_case_hold_at_each_point_and_failed_designs_are_bad(runs):
     # no design has 52 W: at 9 um it is 54 W, which is closest
     assert best.shares == pytest.approx([-0.4]) and best.after == pytest.approx(-0.9)
     # g of both limits at both points, 10 % above the case: 60, 50 W become 66, 55 W
-    value, slack = search.at(np.array([1.0 / 2.5]))
+    value, *slack = search.at(np.array([1.0 / 2.5]))
     assert value == pytest.approx(-1.1)
     assert slack == pytest.approx([-0.1, -0.1, (52 - 66) / 52, (52 - 55) / 52])
     assert search.at(np.array([1.0]))[0] == BAD
+
+
+def test_differences_stay_within_bounds_and_omit_failed_runs():
+    # f = x0^2 and 3 x1; at the upper end of x0 the step is down, and the run of x2 fails
+    def values(designs):
+        return [np.array([x[0] ** 2, 3.0 * x[1]]) if x[2] == 0.0 else None for x in designs]
+
+    x = np.array([1.0, 0.0, 0.0])
+    slopes = differences(values, x, np.array([1.0, 0.0]), [(-1.0, 1.0)] * 3)
+    assert slopes == pytest.approx(np.array([[1.95, 0.0, 0.0], [0.0, 3.0, 0.0]]))
 
 
 def test_shapes_keep_the_mean_are_symmetric_and_survive_their_table(tmp_path):
@@ -382,6 +400,13 @@ def test_an_abscissa_that_falls_in_the_run_is_refused():
     columns = {"a.fall": Measured(np.ones(1), "m"), "a.height": Measured(np.ones(1), "m")}
     with pytest.raises(BadInput, match="a.fall: expected a first column that rises in the run"):
         deviations(Recorded(), columns)
+
+
+def test_a_run_that_fails_in_a_calibration_is_named():
+    with pytest.raises(BadInput, match="the case itself: its run fails"):
+        calibrate(lambda designs: [None], BOX, True)
+    with pytest.raises(Stopped, match=r"a run fails at the shares \[0.05, 0.0\] of the ranges"):
+        calibrate(lambda designs: [None if x.any() else np.ones(3) for x in designs], BOX, True)
 
 
 def test_runs_that_cover_other_numbers_of_values_are_refused():
