@@ -126,18 +126,18 @@ def command(
     with use_of(folder), LocalPool(workers) as executor:
         lean = tree | {"record": tree.get("record", {}) | {"fields": []}}
         search = Search(task, Runs(lean, path, space, folder, executor, keeps=False), watch)
-        found = optimise(search)
+        best = optimise(search)
         whole = Runs(tree, path, space, folder, executor)
-        designs = [found.shares, np.zeros(len(bounds))]
+        designs = [best.shares, np.zeros(len(bounds))]
         rows = whole.rows(designs, task.points, uncertainty)
-    tell(f"{found.message}: {abs(found.after / found.before) - 1.0:+.2%} of {entry_in_words(goal)}")
+    tell(f"{best.message}: {abs(best.after / best.before) - 1.0:+.2%} of {entry_in_words(goal)}")
     is_whole = _compare(rows, points)
-    _say_active(found, points)
-    _write(space, found, folder)
-    _draw(space, found, folder, skirt)
-    if found.slack < -TOLERANCE:
-        say(f"no design keeps all limits; this one is {-100 * found.slack:.1f} % beyond one")
-    if not is_whole or found.slack < -TOLERANCE:
+    _say_active(best, points)
+    _write(space, best, folder)
+    _draw(space, best, folder, skirt)
+    if best.slack < -TOLERANCE:
+        say(f"no design keeps all limits; this one is {-100 * best.slack:.1f} % beyond one")
+    if not is_whole or best.slack < -TOLERANCE:
         sys.exit(1)
 
 
@@ -179,42 +179,42 @@ def _compare(rows, points):
     return True
 
 
-def _say_active(found, points):
+def _say_active(best, points):
     """Print the limits that the result reaches."""
-    for one in found.active:
+    for one in best.active:
         words = words_and_unit(one.limit.figure)[0]
         where = f" at point {one.point + 1}" if len(points) > 1 else ""
         gain = f"1 % of it changes the goal by {one.multiplier:.2g} %"
         tell(f"limit    {words}{where} is reached: {gain}")
 
 
-def _write(space, found, folder):
+def _write(space, best, folder):
     """Write the variables, and the profile as a table."""
     with open(folder / "design.csv", "w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["variable", "value", "unit"])
-        for number, share in zip(space.numbers, found.shares):
+        for number, share in zip(space.numbers, best.shares):
             writer.writerow([number.name, number.value + share * number.scale, number.unit])
         if space.shapes:
-            for name, share in zip(space.shapes.names, found.shares[len(space.numbers) :]):
+            for name, share in zip(space.shapes.names, best.shares[len(space.numbers) :]):
                 writer.writerow([name, 1e6 * space.shapes.amplitude * share, "um"])
     tell(f"design   {folder / 'design.csv'}")
     if space.shapes:
-        profile = space.shapes.profile(found.shares[len(space.numbers) :])
+        profile = space.shapes.profile(best.shares[len(space.numbers) :])
         write_whole(folder / "profile.csv", space.shapes.table(profile))
         tell(f"profile  {folder / 'profile.csv'}, a further table of build.piston.profiles")
 
 
-def _draw(space, found, folder, skirt):
+def _draw(space, best, folder, skirt):
     from ..results.design_pictures import draw_maps, draw_search
 
-    designs = [(one.value, one.slack) for one in found.history]
+    designs = [(one.value, one.slack) for one in best.history]
     tell(f"picture  {draw_search(designs, TOLERANCE, folder / 'search.png')}")
     if skirt:
         own = slice(len(space.numbers), None)
-        slopes = 100.0 * found.gradient[own] / skirt.amplitude
+        slopes = 100.0 * best.gradient[own] / skirt.amplitude
         maps = {
-            "profile, positive away from the bore [µm]": 1e6 * skirt.profile(found.shares[own]),
+            "profile, positive away from the bore [µm]": 1e6 * skirt.profile(best.shares[own]),
             "goal [% per µm on 1 % of the skirt]": 1e-8 * map_of(skirt, slopes),
         }
         tell(f"maps     {draw_maps(maps, ANGLES, 1e3 * skirt.heights, folder / 'maps.png')}")

@@ -86,26 +86,26 @@ def command(
 
     with use_of(folder), LocalPool(workers) as executor:
         runs = Runs(tree, path, space, folder, executor, watch=watch)
-        found, failed = sensitivities(runs, [*directions(checked)])
+        effects, failed = sensitivities(runs, [*directions(checked)])
     steps = dict.fromkeys(space.names, f"+{amplitude}") | {n.name: n.step_text for n in numbers}
-    _print(found, steps)
-    _write(found, steps, folder / "sensitivities.csv")
-    _draw(found, steps, folder)
+    _print(effects, steps)
+    _write(effects, steps, folder / "sensitivities.csv")
+    _draw(effects, steps, folder)
     if skirt:
-        _draw_maps(found, skirt, folder)
+        _draw_maps(effects, skirt, folder)
     if failed:
         say(f"{len(failed)} runs failed: {failed[0]['message']}; call again to try them again")
         sys.exit(1)
 
 
-def _print(found, steps):
+def _print(effects, steps):
     """Print a row for each figure, and a column for each variable that is a number."""
     names = [name for name in steps if not name.startswith("shape ")][:MOST_COLUMNS]
     if not names:
         return
     table = Table("", "value", *(f"{n}, {steps[n]}" for n in names), box=None, pad_edge=False)
-    for figure in dict.fromkeys(one.figure for one in found):
-        own = {one.variable: one for one in found if one.figure == figure}
+    for figure in dict.fromkeys(one.figure for one in effects):
+        own = {one.variable: one for one in effects if one.figure == figure}
         if not any(one.change or one.spread for one in own.values()):
             continue
         cells = []
@@ -127,38 +127,38 @@ MOST_COLUMNS = 6
 """Number of variables in the printed table; the file has all of them."""
 
 
-def _write(found, steps, path):
+def _write(effects, steps, path):
     """Write all sensitivities, in SI units."""
     with open(path, "w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["figure", "variable", "step", "value", "change", "spread"])
-        for one in found:
+        for one in effects:
             writer.writerow(
                 [one.figure, one.variable, steps[one.variable], one.value, one.change, one.spread]
             )
     tell(f"table    {path}")
 
 
-def _draw(found, steps, folder):
+def _draw(effects, steps, folder):
     from ..results.design_pictures import draw_effects
 
-    effects = {}
-    for one in found:
+    percents = {}
+    for one in effects:
         if one.value and (one.change or one.spread):
             words, _ = words_and_unit(one.figure)
             percent = 100.0 * one.change / abs(one.value), 100.0 * one.spread / abs(one.value)
-            effects.setdefault(words, {})[one.variable] = percent
-    if effects:
-        tell(f"picture  {draw_effects(effects, steps, folder / 'sensitivities.png')}")
+            percents.setdefault(words, {})[one.variable] = percent
+    if percents:
+        tell(f"picture  {draw_effects(percents, steps, folder / 'sensitivities.png')}")
 
 
-def _draw_maps(found, skirt, folder):
+def _draw_maps(effects, skirt, folder):
     from ..results.design_pictures import draw_maps
 
     maps = {}
-    for figure in dict.fromkeys(one.figure for one in found):
+    for figure in dict.fromkeys(one.figure for one in effects):
         slopes = {
-            one.variable: one.change / skirt.amplitude for one in found if one.figure == figure
+            one.variable: one.change / skirt.amplitude for one in effects if one.figure == figure
         }
         if all(name in slopes for name in skirt.names) and any(slopes[n] for n in skirt.names):
             values = map_of(skirt, [slopes[name] for name in skirt.names])

@@ -131,14 +131,14 @@ def sensitivities(runs: Runs, figures: Sequence[str]) -> tuple[list[Sensitivity]
     if base["status"] != "done":
         raise BadInput(f"the case itself: {base['message']}")
     failed = [row for row in others if row["status"] != "done"]
-    found = []
+    known = []
     for k, name in enumerate(runs.space.names):
         upper, lower = others[2 * k], others[2 * k + 1]
         for figure in figures:
             values = [row.get(figure) for row in (base, upper, lower)]
             if all(isinstance(value, float) for value in values):
-                found.append(_sensitivity(figure, name, *values))
-    return found, failed
+                known.append(_sensitivity(figure, name, *values))
+    return known, failed
 
 
 def _sensitivity(figure, variable, value, upper, lower):

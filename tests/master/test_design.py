@@ -304,14 +304,14 @@ def test_a_linear_system_has_the_sensitivity_by_proportion(tmp_path):
         # the tolerance of the wires is 1e-12 m
         assert change == pytest.approx(0.1 * value, abs=1e-11) and spread < 1e-11
     assert (tmp_path / "a" / "sensitivities.png").is_file()
-    found = pc.sensitivities(
+    known = pc.sensitivities(
         pc.open_case(case, {"time.stop": "0.1 s"}),
         {"participants.left.parameters.start_displacement": step},
         tmp_path / "a",
         workers=1,
     )
-    assert [one.figure for one in found] == [row["figure"] for row in rows]
-    assert [one.change for one in found] == [float(row["change"]) for row in rows]
+    assert [one.figure for one in known] == [row["figure"] for row in rows]
+    assert [one.change for one in known] == [float(row["change"]) for row in rows]
 
 
 PLACES = np.linspace(0.0, 3.0, 40)
