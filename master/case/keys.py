@@ -4,6 +4,7 @@ Each key has its unit, default, range and meaning.
 """
 
 from collections.abc import Callable
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +71,16 @@ def case_keys(tree: dict[str, Any], folder: Path) -> list[Key]:
     return all_keys
 
 
+def key_at(tree: dict[str, Any], path: str, folder: Path) -> Key | None:
+    """Return the key at a dotted path of a case, None for one that is not declared."""
+    parts = path.split(".")
+    for key in case_keys(tree, folder):
+        pairs = list(zip_longest(key.path.split("."), parts))
+        if all(wanted == part or (wanted in (ANY, EACH) and part) for wanted, part in pairs):
+            return key
+    return None
+
+
 def _built(tree: dict[str, Any]) -> dict[str, dict[str, Any]]:
     """Return the tables of the participants that a package builds, by name."""
     tables = tree.get("participants", {})
@@ -103,6 +114,7 @@ def _key(variable: Variable, before: str) -> Key:
         default=_number(variable.start) + (f" {unit}" if unit else ""),
         allowed=range_of(variable),
         meaning=variable.description,
+        whole=variable.type == "Integer",
     )
 
 

@@ -34,7 +34,7 @@ class Key:
     """One key of an option class.
 
     path : dotted; default : as written, empty if there is none or the key is required; allowed :
-    choices or range; meaning : one sentence.
+    choices or range; meaning : one sentence; whole : whether it is a whole number.
     """
 
     path: str
@@ -43,6 +43,7 @@ class Key:
     allowed: str
     meaning: str
     required: bool = False
+    whole: bool = False
 
     @property
     def name(self) -> str:
@@ -281,6 +282,7 @@ def _keys(schema: Schema, table: Schema, before: str) -> Iterator[Key]:
     for name, node in table.get("properties", {}).items():
         path = f"{before}{name}"
         choices = options(schema, node)
+        types = [one.get("type") for one in choices]
         yield Key(
             path=path,
             unit=next((unit for one in choices if (unit := _unit(one))), ""),
@@ -288,6 +290,7 @@ def _keys(schema: Schema, table: Schema, before: str) -> Iterator[Key]:
             allowed=" or ".join(dict.fromkeys(text for one in choices if (text := _allowed(one)))),
             meaning=" ".join(node.get("description", "").split()).removesuffix("."),
             required=name in table.get("required", ()),
+            whole="integer" in types and "number" not in types,
         )
         for one in choices:
             yield from _inside(schema, one, path)

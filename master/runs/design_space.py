@@ -13,6 +13,7 @@ values are further from the bore, as in a table of `profiles`.
 
 import hashlib
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,9 +21,9 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import BSpline
 
-from ..case.changes import value_at, whole_key
+from ..case.changes import change, value_at, whole_key
 from ..case.contract import players
-from ..case.keys import case_keys
+from ..case.keys import key_at
 from ..case.schema import Case
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput
@@ -233,19 +234,28 @@ def _common_value(tree: dict[str, Any], keys: Sequence[str], folder: Path, optio
 
 def _value_of(tree: dict[str, Any], key: str, folder: Path, option: str) -> Any:
     """Return the value of a key in the case, or its default, as a pint quantity."""
+    declared = key_at(tree, key, folder)
     try:
         value = value_at(tree, key, folder)
     except KeyError:
-        value = next((_default(one) for one in case_keys(tree, folder) if one.path == key), None)
+        value = _default(declared) if declared else None
     try:
         if isinstance(value, bool) or value is None:
             raise ValueError
-        return quantity(str(value))
+        known = quantity(str(value))
     except ValueError:
         shown = "nothing" if value is None else repr(value)
         raise BadInput(
             f"{option} {key}: expected a key whose value is a number, got {shown}"
         ) from None
+    if fault := change(deepcopy(tree), key, value, folder):
+        raise BadInput(f"{option} {fault}")
+    if declared and declared.whole:
+        raise BadInput(
+            f"{option} {key}: expected a key that is not a whole number, got {value}; "
+            "`piston-cosim sweep` varies whole numbers"
+        )
+    return known
 
 
 def _default(key: Key) -> str:

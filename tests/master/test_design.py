@@ -185,6 +185,12 @@ def test_shapes_keep_the_mean_are_symmetric_and_survive_their_table(tmp_path):
         (lambda: numbers("crank_offset"), "crank_offset: expected a step, because the value is z"),
         (lambda: numbers("package"), "expected a dotted path"),
         (lambda: numbers("coupling.method"), "expected a key whose value is a number"),
+        (lambda: numbers("max_iterations=5"), "coupling.max_iterations: .* whole number, got 20"),
+        (lambda: numbers("participants.ehd.build.grid.0"), "grid.0: expected a key in an entry"),
+        (
+            lambda: range_of(TREE, "piston.modes=5..90", PATH.parent, "--vary"),
+            "participants.bodies.build.piston.modes: expected a key that is not a whole number",
+        ),
         (
             lambda: range_of(TREE, "radial_clearance=11um..12um", PATH.parent, "--vary"),
             "expected a range that contains 10.* um",
