@@ -9,7 +9,7 @@ from rich.table import Table
 from ..case.reading import read_tree
 from ..fmi.errors import for_all
 from ..fmi.quantities import numbers_text
-from ..results.compare import deviations, read_measured
+from ..results.compare import deviations, have_bands, read_measured
 from ..results.file import Results
 from ..runs.calibration import calibrate
 from ..runs.design_space import DesignSpace, range_of
@@ -44,7 +44,7 @@ def command(
         Name of a case, its folder or its file. `piston-cosim list` prints the names.
     measured
         CSV file of measured curves, as for `results report --measured`. A band counts as two
-        standard deviations.
+        standard deviations; all curves need one, or none.
     vary
         KEY=LOW..HIGH, repeatable: number to fit. Keys joined by + have one value.
     set_
@@ -62,7 +62,7 @@ def command(
     ranges = for_all(lambda text: range_of(tree, text, path.parent, "--vary"), vary)
     numbers = [number for number, *_ in ranges]
     bounds = [(low, high) for _, low, high in ranges]
-    has_bands = all(one.low is not None for one in [*columns.values()][1:])
+    has_bands = have_bands(columns)
     with use_of(folder), LocalPool(workers) as executor:
         runs = Runs(tree, path, DesignSpace(tuple(numbers)), folder, executor)
 

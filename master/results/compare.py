@@ -217,6 +217,17 @@ def check_measured(runs, measured):
         raise BadInput(faults)
 
 
+def have_bands(measured) -> bool:
+    """Return whether the measured curves have bands; raise `BadInput` if only some have one."""
+    ports = [*measured][1:]
+    bare = [port for port in ports if measured[port].low is None]
+    if bare and len(bare) < len(ports):
+        raise BadInput(
+            f"measured {', '.join(bare)}: expected a band, as other curves of the file have one"
+        )
+    return not bare
+
+
 def deviations(results, measured) -> np.ndarray:
     """Return the deviations of a run from all measured values, in standard deviations.
 

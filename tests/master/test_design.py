@@ -14,7 +14,7 @@ from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.cache import cache_folder, passing_fmus
 from piston_cosim.master.fmi.errors import BadInput, Stopped
 from piston_cosim.master.fmi.quantities import to_si
-from piston_cosim.master.results.compare import Measured, deviations
+from piston_cosim.master.results.compare import Measured, deviations, have_bands
 from piston_cosim.master.results.recorded import Series
 from piston_cosim.master.runs import sweep as sweeps
 from piston_cosim.master.runs.calibration import calibrate
@@ -400,6 +400,15 @@ def test_deviations_are_in_quarters_of_the_band():
     narrow = Measured(height, "mm", height, height)
     with pytest.raises(BadInput, match="a.height: expected a band wider than 0"):
         deviations(Recorded(), columns | {"a.height": narrow})
+
+
+def test_only_some_curves_with_a_band_are_rejected():
+    x = np.ones(3)
+    bare, banded = Measured(x, "mm"), Measured(x, "mm", x - 1.0, x + 1.0)
+    assert have_bands({"a.angle": bare, "a.height": banded, "a.fall": banded})
+    assert not have_bands({"a.angle": bare, "a.height": bare, "a.fall": bare})
+    with pytest.raises(BadInput, match="measured a.fall: expected a band, as other curves"):
+        have_bands({"a.angle": bare, "a.height": banded, "a.fall": bare})
 
 
 def test_an_abscissa_that_falls_in_the_run_is_refused():
