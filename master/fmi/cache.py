@@ -2,7 +2,7 @@
 
 import fcntl
 import os
-import shutil
+import subprocess
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -39,6 +39,7 @@ COSTLY = ("bodies", "code", "native")
 def passing_fmus(folder: Path) -> Generator[None]:
     """Keep the FMUs that this process and its children build in a folder, and delete it at the end.
 
+    A shell deletes it, so it does not remain if this process is killed.
     Everything else, such as compiled code and reduced bodies, is that of the user's cache.
     """
     before = os.environ.get("PISTON_COSIM_CACHE")
@@ -48,14 +49,15 @@ def passing_fmus(folder: Path) -> Generator[None]:
         with suppress(FileExistsError):
             if own.is_dir() and own.name not in MANY:
                 (folder / own.name).symlink_to(own)
-    os.environ["PISTON_COSIM_CACHE"] = str(folder.absolute())
-    try:
-        yield
-    finally:
-        del os.environ["PISTON_COSIM_CACHE"]
-        if before is not None:
-            os.environ["PISTON_COSIM_CACHE"] = before
-        shutil.rmtree(folder, ignore_errors=True)
+    delete = ["sh", "-c", 'cat; rm -rf "$0"', folder.absolute()]  # cat ends with this process
+    with subprocess.Popen(delete, stdin=subprocess.PIPE, start_new_session=True):
+        os.environ["PISTON_COSIM_CACHE"] = str(folder.absolute())
+        try:
+            yield
+        finally:
+            del os.environ["PISTON_COSIM_CACHE"]
+            if before is not None:
+                os.environ["PISTON_COSIM_CACHE"] = before
 
 
 def try_lock(file: IO[str]) -> bool:

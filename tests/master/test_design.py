@@ -1,6 +1,10 @@
 """Sensitivities and optimisation against closed forms, with runs that are formulas."""
 
 import csv
+import signal
+import subprocess
+import sys
+import time
 from concurrent.futures import Executor, Future
 from pathlib import Path
 
@@ -293,6 +297,21 @@ def test_fmus_of_designs_do_not_remain_in_the_cache(tmp_path):
         assert (cache_folder("code") / "x").exists()
     assert cache_folder("fmus") == before and not (tmp_path / "cache").exists()
     assert (cache_folder("code") / "x").exists()
+
+
+def test_fmus_of_a_killed_process_do_not_remain(tmp_path):
+    code = (
+        "import os, signal, sys\nfrom pathlib import Path\n"
+        "from piston_cosim.master.fmi.cache import passing_fmus\n"
+        "with passing_fmus(Path(sys.argv[1])):\n    os.kill(os.getpid(), signal.SIGKILL)"
+    )
+    folder = tmp_path / "a folder"
+    done = subprocess.run([sys.executable, "-c", code, folder], timeout=60)
+    assert done.returncode == -signal.SIGKILL
+    deadline = time.monotonic() + 10.0
+    while folder.exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert not folder.exists()
 
 
 def test_a_linear_system_has_the_sensitivity_by_proportion(tmp_path):
