@@ -380,6 +380,10 @@ def _swapped(trees, role, texts, say):
         """Return participant, name of the model, and its FMU or None for a parameter."""
         name, model = replaced_participant(first, role, text)
         if parameter and not model.endswith((".fmu", ".py")) and ".py:" not in model:
+            known = _choices(first["participants"][name].get("package"), parameter)
+            if known and model not in known:
+                hint = "an FMU has the ending .fmu"
+                raise BadInput(f"--{role}: {unknown('model', model, known, hint)}")
             return name, model, None
         fmu = fmu_of_model(role, model, first["participants"][name], say)
         return name, model.rpartition(":")[2] if ".py:" in model else fmu.stem, fmu
@@ -407,6 +411,13 @@ def _swapped(trees, role, texts, say):
         label: tree | {"pictures": common[variant].get("pictures", [])}
         for label, (variant, tree) in variants.items()
     }
+
+
+def _choices(package, parameter):
+    """Return the choices of a parameter of the FMUs of a package, () if it declares none."""
+    declared = part_function(package, "declared_variables")
+    variables = declared(None, Path()) if declared else []
+    return next((one.choices for one in variables if one.name == parameter), ())
 
 
 def _set(tree, name, parameter, value):
