@@ -22,9 +22,8 @@ References
 Hermosa 1998.
 """
 
-import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -33,7 +32,7 @@ import numpy as np
 from ..master.fmi.errors import BadInput, Discard, collecting, unknown
 from ..master.fmi.quantities import from_si, numbers_text, to_si
 from ..master.fmi.variables import Variable
-from .alone import Film
+from .alone import KNOWN, Film
 from .common.grid import Array, Flags
 
 GROOVE = 2.0 * np.pi / 30.0
@@ -250,7 +249,7 @@ def bearing(
     progress : callable, optional
         Called with a message when all inputs are valid.
     **film
-        Other parameters of `Film`, such as `roughness_rms="0.3 um"` for contact.
+        Other parameters of `Film`, with a unit, such as `roughness_rms="0.3 um"` for contact.
 
     Returns
     -------
@@ -293,7 +292,7 @@ def bearing(
         uncertainty=_uncertainty([figures, *(one and one[0] for one in coarser)]),
         supply=f"{supply}: {SUPPLIES[supply]}; cavitation model {parameters['cavitation_model']}",
         viscosity=viscosity,
-        rough=to_si(parameters.get("roughness_rms", "0 m"), "m") > 0.0,
+        rough=parameters.get("roughness_rms", 0.0) > 0.0,
         film=fields_of_film,
     )
 
@@ -322,7 +321,7 @@ def _read(
     values: dict[str, float] = {}
     for name, value in inputs.items():
         with collecting(faults):
-            values[name] = _number(name, value)
+            values[name] = _number(INPUTS[name], value)
     for name, (low, high) in RATIOS.items():
         if {name, "radius"} <= set(values):
             share = values[name] / values["radius"]
@@ -340,24 +339,25 @@ def _read(
     parameters: dict[str, Any] = dict(LAWS.get(supply, {}))
     with collecting(faults):
         parameters |= _oil(oil)
-    parameters |= {name: value for name, value in film.items() if name not in OWN}
-    try:
+    for name, value in film.items():
+        with collecting(faults):
+            if name not in OWN:
+                has_unit = name in KNOWN and KNOWN[name].unit != "1"
+                parameters[name] = _number(KNOWN[name], value) if has_unit else value
+    with collecting(faults):
         Film((4, 4), surface="bearing", **parameters)
-    except BadInput as error:
-        of_oil = "|".join({"viscosity", *EDGES} - set(film))
-        faults += dict.fromkeys(re.sub(f"^({of_oil}):", "oil:", one) for one in error.faults)
     if faults:
         raise BadInput(faults)
     return values, parameters
 
 
-def _number(name: str, value: Any) -> float:
-    """Return an input in SI; BadInput if it is no quantity with a unit, or out of its range."""
-    variable = INPUTS[name]
+def _number(variable: Variable, value: Any) -> float:
+    """Return a value in SI; BadInput if it is no quantity with a unit, or out of its range."""
     try:
         number = to_si(value, variable.unit)
     except ValueError as error:
-        raise BadInput(f"{name}: {str(error).replace('got None', 'got nothing')}") from None
+        text = str(error).replace("got None", "got nothing")
+        raise BadInput(f"{variable.name}: {text}") from None
     if fault := variable.fault(number):
         raise BadInput(f"{fault.rpartition(', got ')[0]}, got {value}")
     return number
@@ -371,21 +371,20 @@ def _oil(oil: Any) -> dict[str, Any]:
     name, _, temperature = str(oil or "").partition(" at ")
     if oil is None or name.strip()[:1] in set("0123456789.+-"):
         try:
-            return dict(viscosity=to_si(oil, "Pa.s"))
-        except ValueError as error:
-            text = str(error).replace("got None", "got nothing")
-            raise BadInput(f"oil: {text}, or 'SAE 5W-30 at 90 degC'") from None
+            return dict(viscosity=_number(replace(KNOWN["viscosity"], name="oil"), oil))
+        except BadInput as error:
+            raise BadInput(f"{error}; a name of an oil is 'SAE 5W-30 at 90 degC'") from None
     library = name.strip().lower().replace(" ", "_").replace("-", "_")
     faults: list[str] = []
     with collecting(faults):
         Film((4, 4), surface="bearing", oil=library)
-    try:
-        kelvin = to_si(temperature or None, "K")
-    except ValueError:
-        faults.append(
-            f"oil: expected a temperature after the name, got {oil!r}; write for example "
-            "'SAE 5W-30 at 90 degC'"
-        )
+    with collecting(faults):
+        if not temperature:
+            raise BadInput(
+                f"oil: expected a temperature after the name, got {oil!r}; write for example "
+                "'SAE 5W-30 at 90 degC'"
+            )
+        kelvin = _number(replace(KNOWN[EDGES[0]], name="oil"), temperature)
     if faults:
         raise BadInput(faults)
     return dict(oil=library) | dict.fromkeys(EDGES, kelvin)

@@ -244,11 +244,18 @@ def test_all_faults_are_reported_at_once():
         (dict(supply_pressure="1 bar"), "supply_pressure: expected supply='groove' with it"),
         (dict(oil="SAE 10W-31 at 90 degC"), "oil: expected one of engine_oil_vogel_cross,"),
         (dict(oil="20 mPa"), "oil: expected a quantity in Pa.s, got '20 mPa'"),
-        (dict(oil="-3 mPa s"), "oil: expected 1e-05 to 1000 Pa.s, got -0.003 Pa.s"),
-        (dict(oil="SAE 5W-30 at 900 degC"), "oil: expected 233.15 to 573.15 K, got 1173.15 K"),
+        (dict(oil="-3 mPa s"), "oil: expected 1e-05 to 1000 Pa.s, got -3 mPa s; a name"),
+        (dict(oil="SAE 5W-30 at 900 degC"), "oil: expected 233.15 to 573.15 K, got 900 degC"),
         (dict(viscosity="3 mPa s"), "viscosity: expected no value, which the inputs set"),
         (dict(oil=None), "oil: expected a quantity in Pa.s, got nothing"),
-        (dict(oil="sae_5w_30 at 5 bar"), "oil: expected a temperature after the name"),
+        (dict(oil="sae_5w_30 at 5 bar"), "oil: expected a quantity in K, got '5 bar'; write"),
+        (dict(roughness_rms=0.3), "roughness_rms: expected a quantity in m, got 0.3; write for"),
+        (dict(roughness_rms="0.3 m"), "roughness_rms: expected 0 to 0.0001 m, got 0.3 m"),
+        (dict(cavitation_model="foo"), "cavitation_model: expected one of jfo, reynolds,"),
+        (
+            dict(oil_temperature_lower_edge="900 degC"),
+            "oil_temperature_lower_edge: expected 233.15 to 573.15 K, got 900 degC",
+        ),
     ],
 )
 def test_a_fault_is_reported(changes, text):
