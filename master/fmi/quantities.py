@@ -37,14 +37,15 @@ def registry() -> Any:
 def pint_unit(unit: str) -> str:
     """Convert a unit from FMI to pint: "kg.m2" -> "kg*m**2", "1" -> "dimensionless".
 
-    >>> pint_unit("kg.m2"), pint_unit("1")
-    ('kg*m**2', 'dimensionless')
+    pint itself reads "mPas" as several millipascals.
+
+    >>> pint_unit("kg.m2"), pint_unit("1"), pint_unit("mPas")
+    ('kg*m**2', 'dimensionless', 'mPa*s')
     """
-    return (
-        "dimensionless"
-        if unit == "1"
-        else re.sub(r"(?<=[A-Za-z])(-?\d)\b", r"**\1", unit).replace(".", "*")
-    )
+    if unit == "1":
+        return "dimensionless"
+    unit = re.sub(r"Pas\b", "Pa*s", unit)
+    return re.sub(r"(?<=[A-Za-z])(-?\d)\b", r"**\1", unit).replace(".", "*")
 
 
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}

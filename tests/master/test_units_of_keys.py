@@ -113,6 +113,7 @@ def test_no_time_of_a_table_is_a_bare_number(tmp_path):
         ("4 1/s", "s-1", 4.0),
         ("5 %", "1", 0.05),
         ("5 delta_degC", "K", 5.0),
+        ("4mPas", "Pa.s", 4e-3),  # pint: 4 mPa
         ("20 \N{DEGREE SIGN}C", "K", 293.15),
     ],
 )
@@ -134,6 +135,7 @@ def test_a_quantity_is_one_number_with_its_unit(text, unit, value):
         ("5 percent", "rad", "'10 deg'"),
         ("5 deg", "1", "'0.5'"),
         ("2*3 mm", "m", "'1 mm'"),
+        ("4 MPas", "Pa", "'1 Pa'"),
         ("50", "%", "'50 %'"),  # a share of 50, or 50 %
         ("0.5", "ppm", "'0.5 ppm'"),
     ],
