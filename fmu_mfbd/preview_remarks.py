@@ -22,6 +22,8 @@ DRAWN = 20e-6
 """Tolerance of a bore radius below that of the skirt [m], for meshes of one nominal diameter."""
 LEAST_GAS, HIGH_GAS = 0.05e6, 30e6
 """Highest gas pressures [Pa] below and above those of engines."""
+MOTORED = 0.7e6
+"""Highest gas pressure without combustion, unthrottled, at a compression ratio of 5 [Pa]."""
 ABSOLUTE = 0.7e5, 1.5e5
 """Mean gas pressure of the exhaust stroke in absolute pressure [Pa]."""
 LEAST_EXHAUST = -0.3e5
@@ -161,6 +163,9 @@ def messages_on_gas(table: GasTable) -> list[Message]:
     out: list[Message] = []
     if high > HIGH_GAS:
         out.append(Message("warning", f"{told}: engines have less than 30 MPa"))
+    elif high < MOTORED:
+        text = f"{told}: expected above 0.7 MPa, which compression reaches; check pressure_unit"
+        out.append(Message("remark", text))
     cycle = 720 if table.cycle > 3.0 * np.pi else 360
     peak = float((degrees[table.pressure.argmax()] + cycle / 2) % cycle - cycle / 2)
     if abs(peak) > FIRING:

@@ -150,6 +150,7 @@ def test_runs_on_a_ring():
         (0.5e5, 7e6, 4, []),  # back pressure of a turbine, gauge
         (0.0, 40e6, 4, ["less than 30 MPa"]),
         (0.0, 7e3, 4, ["check pressure_unit"]),
+        (0.0, 0.65e6, 4, ["650 kPa: expected above 0.7 MPa, which compression reaches; check"]),
         (1e5, 7e6, 4, ["mean gas pressure in the exhaust = 100 kPa: the table seems absolute"]),
         (1e5, 7e6, 2, ["seems absolute"]),
         (
