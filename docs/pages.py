@@ -188,14 +188,14 @@ def options():
 
     path = find_case("data_sheet")
     tables = {}
-    for key in case_keys(read_tree(path), path.parent):
-        name = key.path.rpartition(".")[0]
+    for key in sorted(case_keys(read_tree(path), path.parent), key=lambda key: key.advanced):
+        name = key.path.rpartition(".")[0] + " (few cases need these)" * key.advanced
         default = "required" if key.required else key.default
         row = f"`{key.name}`", key.unit, default, key.allowed, key.meaning
         tables.setdefault(name or "case", []).append(row)
     lines = ["# Keys of a case file", ""]
     for name, rows in tables.items():
-        if not name.endswith(".parameters"):  # the page of the variables contains them
+        if ".parameters" not in name:  # the page of the variables contains them
             heads = ("key", "unit", "default", "allowed", "meaning")
             lines += [f"## {name}", "", *table(heads, rows)]
     return "\n".join(lines)

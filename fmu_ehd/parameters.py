@@ -54,11 +54,11 @@ class Parameters:
     # laws
     cavitation_model: str = choice(CAVITATION)
     """Cavitation model."""
-    cavity_shear: str = choice(CAVITY_SHEAR)
+    cavity_shear: str = choice(CAVITY_SHEAR, advanced=True)
     """Part of the cavitated film that transmits shear."""
     flow_factors: str = choice(FLOW_FACTORS)
     """Flow factor model for rough surfaces."""
-    contact_law: str = choice(CONTACT_LAWS)
+    contact_law: str = choice(CONTACT_LAWS, advanced=True)
     """Asperity contact law."""
 
     film_symmetry: str = choice(FILM_SYMMETRIES)
@@ -73,7 +73,7 @@ class Parameters:
     """Axial length of the lubricated skirt."""
     cavitation_pressure: float = declared("Pa", 0.0, -2e5, 1e8)
     """Cavitation pressure, gauge."""
-    minimum_flow_film: float = declared("m", 5e-8, 1e-9, 1e-5)
+    minimum_flow_film: float = declared("m", 5e-8, 1e-9, 1e-5, advanced=True)
     """Lower limit of the film thickness in the flow equations."""
 
     # roughness and contact: gamma and Y of `roughness`; z_s, eta beta_a sigma, sigma/beta_a, E*,
@@ -96,9 +96,9 @@ class Parameters:
     """Contact modulus E*, with 1/E* = sum of (1-nu^2)/E of both bodies."""
     boundary_friction_coefficient: float = declared("1", 0.12, 0.0, 2.0)
     """Friction coefficient of asperity contact."""
-    boundary_shear_strength: float = declared("Pa", 0.0, 0.0, 1e9)
+    boundary_shear_strength: float = declared("Pa", 0.0, 0.0, 1e9, advanced=True)
     """Shear strength of the boundary layer in contact."""
-    friction_rounding_velocity: float = declared("m/s", 1e-3, 1e-9, 1.0)
+    friction_rounding_velocity: float = declared("m/s", 1e-3, 1e-9, 1.0, advanced=True)
     """Sliding velocity below which asperity friction decreases to zero."""
 
     # soft layer: d, E, nu of `coating`
@@ -118,7 +118,7 @@ class Parameters:
     """Oil layer on the bore outside the skirt at the start."""
     stroke: float = declared("m", 0.1, 1e-3, 4.0)
     """Maximum travel of the skirt along the bore from its start position."""
-    chamfer_capacity: float = declared("m2", 1e-7, 0.0, 1.0)
+    chamfer_capacity: float = declared("m2", 1e-7, 0.0, 1.0, advanced=True)
     """Maximum cross-section of the oil that an edge of the skirt pushes along."""
     largest_oil_layer: float = declared("m", 3e-4, 1e-6, 1e-1)
     """Maximum oil layer on the bore; splash above it runs off."""
@@ -142,7 +142,7 @@ class Parameters:
     """
     pressure_openings: float = declared("Pa", 0.0, -2e5, 1e8, condition=True)
     """Pressure in cut-outs with a separate supply, gauge."""
-    film_fraction_openings: float = declared("1", 1.0, 0.0, 1.0, condition=True)
+    film_fraction_openings: float = declared("1", 1.0, 0.0, 1.0, condition=True, advanced=True)
     """Film fraction of the oil that enters from cut-outs with a separate supply; below 1 only at
     cavitation pressure.
     """

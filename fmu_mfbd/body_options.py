@@ -5,7 +5,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
 
-from ..master.fmi.option_classes import Flag, with_meanings
+from ..master.fmi.option_classes import ADVANCED, Flag, with_meanings
 from ..master.fmi.quantities import in_unit, to_si
 from .finite_elements.regions import Bore, Cylinder, Plane, Region
 
@@ -522,7 +522,7 @@ class Block(Body):
     """Lower end of the bore above the crank axis. Default: that of the surface in the mesh."""
     bore_upper: Length | None = None
     """Upper end of the bore above the crank axis. Default: that of the surface in the mesh."""
-    stations: Annotated[int, Field(ge=8, le=400)] = 64
+    stations: int = Field(64, ge=8, le=400, json_schema_extra=ADVANCED)
     """Number of heights in the table of bore modes."""
     bore_from_outside: BoreFromOutside | None = None
     """Grid of a bore whose deflection another participant computes. It provides bore_deflection and
@@ -530,7 +530,7 @@ class Block(Body):
     """
     profiles: list[ShapeTable] = []
     """Measured widenings of the bore."""
-    orders: list[Order] = []
+    orders: list[Order] = Field([], json_schema_extra=ADVANCED)
     """Fourier orders of the bore distortion."""
 
     @model_validator(mode="after")

@@ -16,7 +16,14 @@ VARIABLE = "variable"
 CONDITION = "condition"
 
 
-def declared(unit: str, start: float, low: float, high: float, condition: bool = False) -> Any:
+def declared(
+    unit: str,
+    start: float,
+    low: float,
+    high: float,
+    condition: bool = False,
+    advanced: bool = False,
+) -> Any:
     """Declare a number.
 
     Parameters
@@ -27,15 +34,19 @@ def declared(unit: str, start: float, low: float, high: float, condition: bool =
         Default and allowed range [unit], both ends included.
     condition : bool
         True if it may be an input of the FMU, which changes from step to step.
+    advanced : bool
+        True if few cases need it.
     """
-    variable = Variable("", unit, "parameter", "", start, minimum=low, maximum=high)
+    variable = Variable(
+        "", unit, "parameter", "", start, minimum=low, maximum=high, advanced=advanced
+    )
     return field(default=start, metadata={VARIABLE: variable, CONDITION: condition})
 
 
-def choice(allowed: Iterable[str]) -> Any:
+def choice(allowed: Iterable[str], advanced: bool = False) -> Any:
     """Declare the choice of a law by name; the first name is the default."""
     names = tuple(allowed)
-    variable = Variable("", "1", "parameter", "", names[0], choices=names)
+    variable = Variable("", "1", "parameter", "", names[0], choices=names, advanced=advanced)
     return field(default=names[0], metadata={VARIABLE: variable, CONDITION: False})
 
 

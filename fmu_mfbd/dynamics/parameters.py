@@ -31,9 +31,10 @@ NO_GAS_TABLE = "gas_source: expected a table build.gas with gas_source = table, 
 """Fault of a body that has no table to take its gas pressure from."""
 
 
-def _choice(allowed: tuple[str, ...]) -> Any:
+def _choice(allowed: tuple[str, ...], advanced: bool = False) -> Any:
     """Declare a choice, whose first value is the default."""
-    return field(default=allowed[0], metadata=dict(unit="1", choices=allowed))
+    known = dict(unit="1", choices=allowed, advanced=advanced)
+    return field(default=allowed[0], metadata=known)
 
 
 @dataclass(frozen=True)
@@ -83,9 +84,9 @@ class Parameters:
     """Coulomb friction coefficient between pin and piston; 0: no friction."""
     pin_radius: float = _declared("m", 0.0, 0.0, 0.1)
     """Lever arm of the friction at the pin; 0: a quarter of the skirt radius."""
-    pin_friction_speed: float = _declared("rad/s", 5.0, 1e-3, 1e3)
+    pin_friction_speed: float = _declared("rad/s", 5.0, 1e-3, 1e3, advanced=True)
     """Relative angular velocity at which Coulomb friction reaches 76 % of its maximum."""
-    pin_friction_damping: float = _declared("N.m.s/rad", 0.0, 0.0, 1e3)
+    pin_friction_damping: float = _declared("N.m.s/rad", 0.0, 0.0, 1e3, advanced=True)
     """Viscous friction at the pin: moment per relative angular velocity."""
     top_ring_height: float = _declared("m", 0.0, 0.0, 1.0)
     """Height of the top ring above pin point A, above which gas widens the bore; 0: no gas on the
@@ -95,7 +96,7 @@ class Parameters:
     """Height of the second ring above pin point A; land_pressure acts between both rings."""
     land_pressure_share: float = _declared("1", 0.0, 0.0, 1.0)
     """Fraction of the gas pressure that acts between both rings, in addition to land_pressure."""
-    gas_source: str = _choice(GAS_SOURCES)
+    gas_source: str = _choice(GAS_SOURCES, advanced=True)
     """Source of the gas pressure: built-in table, input gas_pressure, or their sum; either also
     adds them, and warns if both are used.
     """
@@ -116,9 +117,9 @@ class Parameters:
     """
     start_crank_angle: float = _declared("rad", 0.0)
     """Crank angle at the start."""
-    start_lateral_displacement: float = _declared("m", 0.0, -1e-3, 1e-3)
+    start_lateral_displacement: float = _declared("m", 0.0, -1e-3, 1e-3, advanced=True)
     """Lateral displacement of pin point A at the start."""
-    start_rocking_angle: float = _declared("rad", 0.0, -0.05, 0.05)
+    start_rocking_angle: float = _declared("rad", 0.0, -0.05, 0.05, advanced=True)
     """Rocking angle at the start."""
     damping_ratio: float = _declared("1", 0.02, 0.0, 2.0)
     """Modal damping ratio below the transition frequency."""
@@ -128,7 +129,7 @@ class Parameters:
     """Frequency above which high_frequency_damping_ratio applies."""
     quasi_static_frequency: float = _declared("Hz", 1e9, 0.0, 1e9)
     """Frequency above which modes follow their load without inertia."""
-    spectral_radius: float = _declared("1", 0.6, 0.0, 1.0)
+    spectral_radius: float = _declared("1", 0.6, 0.0, 1.0, advanced=True)
     """Spectral radius of the time integrator at infinite frequency."""
     impact_resolution: float = _declared("m", 10e-9, 0.0, 1.0)
     """Displacement within a step from which shorter steps resolve an impact; 1 m for never."""
@@ -142,7 +143,7 @@ class PinParameters:
     """Radius of the piston bosses minus radius of the pin."""
     small_end_clearance: float = _declared("m", 15e-6, 1e-7, 1e-3)
     """Radius of the rod's small end minus radius of the pin."""
-    pin_inertia: float = _declared("kg.m2", 0.0, 0.0, 1.0)
+    pin_inertia: float = _declared("kg.m2", 0.0, 0.0, 1.0, advanced=True)
     """Moment of inertia of the floating pin about its axis; 0: solid cylinder of its mass and
     radius.
     """

@@ -9,10 +9,18 @@ BODIES = ("crank", "rod", "pin", "piston")
 
 
 def declared(
-    unit: str, start: float, minimum: float | None = None, maximum: float | None = None
+    unit: str,
+    start: float,
+    minimum: float | None = None,
+    maximum: float | None = None,
+    advanced: bool = False,
 ) -> Any:
-    """Declare the default of a parameter with unit and range. The text below it describes it."""
-    return field(default=start, metadata=dict(unit=unit, minimum=minimum, maximum=maximum))
+    """Declare the default of a parameter with unit and range. The text below it describes it.
+
+    If `advanced`, few cases need it.
+    """
+    known = dict(unit=unit, minimum=minimum, maximum=maximum, advanced=advanced)
+    return field(default=start, metadata=known)
 
 
 JOINTS = {"piston": "rod", "rod": "crank", "crank": "block"}

@@ -18,13 +18,13 @@ from .element import ForceElement, PointForce, PointMotion, declared
 class LandParameters:
     """Parameters of a top land that may touch the bore, in SI."""
 
-    land_stiffness: float = declared("N/m", 0.0, 0.0, 1e12)
+    land_stiffness: float = declared("N/m", 0.0, 0.0, 1e12, advanced=True)
     """Contact stiffness of the top land on the bore; 0: no contact."""
-    land_damping: float = declared("s/m", 0.0, 0.0, 1e3)
+    land_damping: float = declared("s/m", 0.0, 0.0, 1e3, advanced=True)
     """Increase of the contact force of the top land per approach velocity."""
-    land_clearance: float = declared("m", 0.25e-3, 0.0, 0.01)
+    land_clearance: float = declared("m", 0.25e-3, 0.0, 0.01, advanced=True)
     """Bore radius minus radius of the top land at the thrust line."""
-    land_height: float = declared("m", 0.03, 0.0, 1.0)
+    land_height: float = declared("m", 0.03, 0.0, 1.0, advanced=True)
     """Height of the top land above pin point A."""
 
 

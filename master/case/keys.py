@@ -115,6 +115,7 @@ def _key(variable: Variable, before: str) -> Key:
         allowed=range_of(variable),
         meaning=variable.description,
         whole=variable.type == "Integer",
+        advanced=variable.advanced,
     )
 
 

@@ -12,7 +12,7 @@ from pydantic import (
 from ..coupling.methods import METHODS
 from ..fmi.errors import unknown
 from ..fmi.fields import base_of
-from ..fmi.option_classes import Flag
+from ..fmi.option_classes import ADVANCED, Flag
 from ..fmi.quantities import from_si, is_angle, to_si
 from ..participants.plugins import names
 from .shown import NEUTRAL, Axes, Axis, Picture
@@ -117,7 +117,7 @@ class ParticipantTable(Table):
     """Run the FMU in a separate process. A process that can hold only one instance of an FMU never
     gets a second one.
     """
-    timeout: str = "120 s"
+    timeout: str = Field("120 s", json_schema_extra=ADVANCED)
     """Response timeout of an isolated FMU."""
 
     @field_validator("like", "body")
@@ -216,7 +216,7 @@ class Coupling(Table):
     secants, and `explicit` does not iterate. Each loop of wires is iterated separately. A loop is
     not iterated if one of its FMUs cannot save its state.
     """
-    step_control: str | None = None
+    step_control: str | None = Field(None, json_schema_extra=ADVANCED)
     """Step control of another installed package (participants/plugins.py)."""
     options: dict[str, Any] = {}
     """Options of a method or step control of another package."""
@@ -236,7 +236,9 @@ class Coupling(Table):
     """Maximum number of iterations of a macro step before it is halved."""
     relaxation: float = Field(0.5, gt=0, le=1)
     """Factor of constant relaxation, and first factor of the other methods."""
-    advanced: Advanced = Field(default_factory=lambda: Advanced.model_validate({}))
+    advanced: Advanced = Field(
+        default_factory=lambda: Advanced.model_validate({}), json_schema_extra=ADVANCED
+    )
     """Numerical settings that few cases need; `keys coupling.advanced` lists them."""
 
     @model_validator(mode="before")
@@ -287,7 +289,7 @@ class Record(Table):
     """Number of last periods that results, pictures and report show. The file holds all periods.
     Default: 1 with `time.until_periodic`, otherwise the whole run.
     """
-    checkpoint_every: int | None = Field(None, ge=0)
+    checkpoint_every: int | None = Field(None, ge=0, json_schema_extra=ADVANCED)
     """Number of macro steps between checkpoints. 0: only at SIGINT and SIGTERM. By default, a run
     longer than 5 s writes one every 50 steps, in at most 2 % of its time.
     """

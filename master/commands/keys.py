@@ -11,7 +11,7 @@ from ..case.keys import case_keys, chosen_keys, json_schema, library_oils, match
 from ..case.reading import find_case, read_tree
 from ..fmi.errors import BadInput
 from ..fmi.option_classes import Key
-from .common import console, wide_console
+from .common import console, say, wide_console
 
 
 def command(
@@ -41,7 +41,7 @@ def command(
     case
         Case whose participants are listed.
     advanced
-        Print also the numerical settings in tables `advanced`.
+        Print also the keys that few cases need. A word that selects no other key prints them too.
     json_schema_
         Print a JSON schema of such a case for editors.
     """
@@ -51,20 +51,20 @@ def command(
         print(json.dumps(json_schema(tree, path.parent), indent=1))
         return
     all_keys = case_keys(tree, path.parent)
-    if word is None:
-        print_tables([key for key in all_keys if advanced or ".advanced." not in key.path])
-        return
-    oils = matching_oils(library_oils(tree), word)
+    oils = matching_oils(library_oils(tree), word) if word else []
     try:
-        chosen, is_table = chosen_keys(all_keys, word)
+        chosen, is_table = chosen_keys(all_keys, word) if word else (all_keys, True)
     except BadInput:
         if not oils:
             raise
         chosen, is_table = [], False
+    usual = [key for key in chosen if advanced or not key.advanced] or chosen
     if is_table:
-        print_tables(chosen)
-    elif chosen:
-        _print(chosen, "path")
+        print_tables(usual)
+    elif usual:
+        _print(usual, "path")
+    if omitted := len(chosen) - len(usual):
+        say(f"keys that few cases need: {omitted} more, see --advanced")
     if oils:
         print_oils(oils)
 

@@ -25,6 +25,8 @@ Flag = Annotated[bool, Strict()]
 """Value true or false. Without `Strict`, pydantic accepts 1 and "yes" as well."""
 ANY = "NAME"
 """Placeholder in a dotted key for a name that the user chooses."""
+ADVANCED: dict[str, Any] = {"advanced": True}
+"""Mark of a key that few cases need, for `json_schema_extra` of its field."""
 EACH = "N"
 """Placeholder in a dotted key for the index of a list entry, from 0."""
 
@@ -34,7 +36,8 @@ class Key:
     """One key of an option class.
 
     path : dotted; default : as written, empty if there is none or the key is required; allowed :
-    choices or range; meaning : one sentence; whole : whether it is a whole number.
+    choices or range; meaning : one sentence; whole : whether it is a whole number; advanced :
+    whether few cases need it.
     """
 
     path: str
@@ -44,6 +47,7 @@ class Key:
     meaning: str
     required: bool = False
     whole: bool = False
+    advanced: bool = False
 
     @property
     def name(self) -> str:
@@ -278,11 +282,12 @@ def keys(schema: Schema, before: str = "") -> list[Key]:
     return list({key.path: key for key in _keys(schema, schema, before)}.values())
 
 
-def _keys(schema: Schema, table: Schema, before: str) -> Iterator[Key]:
+def _keys(schema: Schema, table: Schema, before: str, advanced: bool = False) -> Iterator[Key]:
     for name, node in table.get("properties", {}).items():
         path = f"{before}{name}"
         choices = options(schema, node)
         types = [one.get("type") for one in choices]
+        own = advanced or node.get("advanced", False)
         yield Key(
             path=path,
             unit=next((unit for one in choices if (unit := _unit(one))), ""),
@@ -291,19 +296,20 @@ def _keys(schema: Schema, table: Schema, before: str) -> Iterator[Key]:
             meaning=" ".join(node.get("description", "").split()).removesuffix("."),
             required=name in table.get("required", ()),
             whole="integer" in types and "number" not in types,
+            advanced=own,
         )
         for one in choices:
-            yield from _inside(schema, one, path)
+            yield from _inside(schema, one, path, own)
 
 
-def _inside(schema: Schema, node: Schema, path: str) -> Iterator[Key]:
+def _inside(schema: Schema, node: Schema, path: str, advanced: bool) -> Iterator[Key]:
     """Yield the keys of the tables inside a value."""
     if "properties" in node:
-        yield from _keys(schema, node, f"{path}.")
+        yield from _keys(schema, node, f"{path}.", advanced)
     for inner, part in ((node.get("additionalProperties"), ANY), (node.get("items"), EACH)):
         if _is_schema(inner):
             for one in options(schema, inner):
-                yield from _inside(schema, one, f"{path}.{part}")
+                yield from _inside(schema, one, f"{path}.{part}", advanced)
 
 
 def _is_schema(value: object) -> TypeGuard[Schema]:

@@ -52,6 +52,8 @@ class Variable:
         Allowed texts. Importers see their numbers, which begin at 1.
     tunable : bool
         Whether a parameter may change between two steps.
+    advanced : bool
+        Whether few cases need a parameter; the list of keys omits it by default.
     """
 
     name: str
@@ -66,6 +68,7 @@ class Variable:
     derivative_of: str | None = None
     choices: tuple[str, ...] = ()
     tunable: bool = False
+    advanced: bool = False
 
     @property
     def kind(self) -> str:

@@ -103,11 +103,21 @@ def test_the_command_prints_equal_tables_once_and_numerical_settings_on_request(
     printed = capsys.readouterr().out
     assert "axes.N.first\naxes.N.second\n" in printed
     assert printed.count("\n centred ") == 1
-    assert "\n max_iterations " in printed and "\n halvings " not in printed
+    few = "halvings", "stations", "amplitude", "chamfer_capacity", "land_height", "timeout"
+    assert "\n max_iterations " in printed and "\n grid " in printed
+    assert not any(f"\n {name} " in printed for name in few)
+    omitted = sum(key.advanced for key in case_keys(read_tree(PATH), FOLDER))
+    assert f"keys that few cases need: {omitted} more, see --advanced" in printed
     command(advanced=True)
-    assert "\n halvings " in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert all(f"\n {name} " in printed for name in few) and "see --advanced" not in printed
     command("coupling.advanced")
     assert "\n halvings " in capsys.readouterr().out
+    command("land")
+    printed = capsys.readouterr().out
+    assert "land_pressure" in printed and "land_height" not in printed
+    command("land_height")
+    assert "land_height" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
