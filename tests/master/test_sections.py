@@ -4,12 +4,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.signal import find_peaks
 
 from piston_cosim.master.case.schema import Case
 from piston_cosim.master.engine import sections
 from piston_cosim.master.engine.answer import headlines
 from piston_cosim.master.engine.friction import friction_pressure
-from piston_cosim.master.engine.impacts import impacts
+from piston_cosim.master.engine.impacts import impacts, prominent_peaks
 from piston_cosim.master.engine.measures import measures
 from piston_cosim.master.engine.sections import STROKES, own_strokes, special, strokes
 from piston_cosim.master.engine.verdicts import verdicts
@@ -128,6 +129,14 @@ def test_edges_of_the_skirt_move_with_the_tilt():
     lower, upper = chart.curves
     assert lower.y == pytest.approx([45.0, 5.0]) and upper.y == pytest.approx([-15.0, 5.0])
     assert lower.x == pytest.approx([0.0, 90.0]) and chart.cursor
+
+
+def test_peaks_are_those_of_scipy():
+    rng = np.random.default_rng(0)
+    for size in range(60):
+        for values in (rng.integers(0, 6, size) / 1.0, rng.random(size)):  # with plateaus, without
+            expected, _ = find_peaks(values, prominence=0.3)
+            assert prominent_peaks(values, 0.3) == expected.tolist()
 
 
 def test_impacts_lose_the_energy_from_a_peak_to_the_next_minimum():
