@@ -10,6 +10,7 @@ recompiled. If nothing can be cached, each process compiles its kernels. numba (
 imported by the first call.
 """
 
+import sys
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cached_property, partial, update_wrapper
@@ -62,18 +63,20 @@ def numbered(*names: str) -> Any:
 def packed(kind: Any, *others: str) -> tuple[Any, Any]:
     """Return kernels that store the numbers of a named tuple in an array and restore it.
 
-    They are (array, tuple) and (array, *others). `others` are the fields that are not numbers.
+    They are (array, tuple) and (array, *others). `others` are the fields that are not numbers. The
+    cache has them under the file of the named tuple.
     """
     names = [name for name in kind._fields if name not in others]
     extra = "".join(f", {name}" for name in others)
     stores = "".join(f"    x[{k}] = value.{name}\n" for k, name in enumerate(names))
     values = ", ".join([f"{n}=x[{k}]" for k, n in enumerate(names)] + [f"{n}={n}" for n in others])
-    scope: dict[str, Any] = {"kind": kind}
-    exec(
-        f"def put(x, value):\n{stores}\ndef made(x{extra}):\n    return kind({values})",
-        scope,
-    )
-    return compiled(scope["put"]), compiled(scope["made"])
+    put, made = (f"{word}_{kind.__name__}" for word in ("put", "made"))
+    text = f"def {put}(x, value):\n{stores}\ndef {made}(x{extra}):\n    return kind({values})"
+    module = sys.modules[kind.__module__]
+    importable = getattr(module, kind.__name__, None) is kind  # else no cache can name its type
+    scope: dict[str, Any] = {"kind": kind, "__name__": kind.__module__}
+    exec(compile(text, str(module.__file__) if importable else "<string>", "exec"), scope)
+    return compiled(scope[put]), compiled(scope[made])
 
 
 class Kernel(Generic[Given, Result]):
