@@ -19,6 +19,7 @@ AROUND = 48
 """Cells of the pin's films."""
 
 
+@pytest.mark.slow
 def test_shipped_modes_suffice_for_the_skirt():
     """The modes that are not for the bosses miss less than 0.5 % under a smooth pressure.
 
