@@ -14,8 +14,8 @@ def test_there_are_six():
     assert len(NOTEBOOKS) == 6
 
 
-LONG = ("bearing", "first_piston")
-"""Notebooks of more than 20 s, which the test of the site runs as well."""
+LONG = ("bearing", "first_piston", "response_surface")
+"""Notebooks of more than 10 s. The test of the site, which .ci/run runs, runs them as well."""
 
 
 @pytest.mark.parametrize(
