@@ -436,7 +436,7 @@ class Reference:
 
 
 DEGREE = np.pi / 180 / SPEED
-SPAN = 24
+SPAN = 12
 """Length of the runs [deg]."""
 
 CASES = {
@@ -467,7 +467,7 @@ def test_motion_and_forces_are_those_of_a_multibody_program(name):
     """All outputs agree to 1e-3 of their range, and the error falls with the square of the step.
 
     Without the error of the step, 1e-4 of each range is left at most. It is the next order of the
-    step: the light pin turns by 0.08 rad a step on its springs, 18 rad in the run. With `all`, half
+    step: the light pin turns by 0.08 rad a step on its springs, 9 rad in the run. With `all`, half
     of it is the rotation of the block, in whose axes the shapes of the pin have no Coriolis force.
     """
     case = CASES[name]
