@@ -58,9 +58,7 @@ def is_left(process):
 
 
 def test_side_by_side_the_bits_are_those_of_one_after_the_other(tmp_path):
-    changes = ["--set", "time.stop=10 deg"]
-    for name in ("bodies", "ehd"):
-        changes += ["--set", f"participants.{name}.build.grid=[12, 12]"]
+    changes = ["--set", "time.stop=4 deg"]
     files = []
     for jobs in (1, 3):
         folder = tmp_path / str(jobs)
