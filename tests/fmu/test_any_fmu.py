@@ -67,8 +67,10 @@ def test_extremes_of_fields_of_several_types(folder):
     np.testing.assert_allclose(of_steps.low, [ALONE[-1], 0.0], rtol=1e-14)
 
 
-@pytest.mark.parametrize("own", ["", "isolated = true"])
-@pytest.mark.parametrize("method", ["newton", "iqn_ils", "explicit"])
+@pytest.mark.parametrize(
+    "method, own",
+    [("newton", ""), ("iqn_ils", ""), ("explicit", ""), ("newton", "isolated = true")],
+)
 def test_wires_of_all_types_carry_values_in_the_step(folder, method, own):
     typed = [
         ("a.n", "b.number", ""),
@@ -243,17 +245,17 @@ def test_an_array_may_begin_at_0_or_1_and_nowhere_else(folder, library):
 
 
 @pytest.mark.parametrize(
-    "names, source",
+    "names, source, isolated",
     [
-        ({"x": "y[2]"}, "y[2]"),
-        ({"x": "y[1]", "number_sum": "y[3]"}, "y[1]"),
-        ({"x": "y", "number_sum": "y[1]"}, "y"),
-        ({"x": "y[1]", "n": "y[2]"}, "y[1]"),
-        ({"x": "y[1]", "u": "y[2]"}, "y[1]"),
-        ({"x": "y[2]", "number_sum": "y[1]"}, "y[2]"),
+        ({"x": "y[2]"}, "y[2]", False),
+        ({"x": "y[1]", "number_sum": "y[3]"}, "y[1]", False),
+        ({"x": "y", "number_sum": "y[1]"}, "y", False),
+        ({"x": "y[1]", "n": "y[2]"}, "y[1]", False),
+        ({"x": "y[1]", "u": "y[2]"}, "y[1]", False),
+        ({"x": "y[2]", "number_sum": "y[1]"}, "y[2]", False),
+        ({"x": "y[2]", "number_sum": "y[1]"}, "y[2]", True),
     ],
 )
-@pytest.mark.parametrize("isolated", [False, True])
 def test_elements_with_indices_are_variables(folder, library, names, source, isolated):
     make(folder / "a.fmu", library, names=names)
     text = case_text([(f"a.{source}", "b.u", "")], own="isolated = true" * isolated)

@@ -131,8 +131,10 @@ def sampled():
     return np.array(x)
 
 
-@pytest.mark.parametrize("method", ["newton", "iqn_ils", "explicit"])
-@pytest.mark.parametrize("isolated", ["false", "true"])
+@pytest.mark.parametrize(
+    "method, isolated",
+    [("newton", "false"), ("iqn_ils", "false"), ("explicit", "false"), ("newton", "true")],
+)
 def test_a_sampled_loop_is_its_difference_equation(folder, tmp_path, method, isolated):
     text = case_text(
         LOOP,
@@ -152,8 +154,15 @@ PUSHED = [("a.crossed", "b.kick", ""), ("a.mark", "b.push", "")]
 PLACE = {"a": "cross_at = 0.37\nx0 = 2.0", "b": "x0 = 1.0"}
 
 
-@pytest.mark.parametrize("more", [{}, {"method": "explicit"}, {"coupling": "parallel = true"}])
-@pytest.mark.parametrize("isolated", ["false", "true"])
+@pytest.mark.parametrize(
+    "more, isolated",
+    [
+        ({}, "false"),
+        ({"method": "explicit"}, "false"),
+        ({"coupling": "parallel = true"}, "false"),
+        ({"coupling": "parallel = true"}, "true"),
+    ],
+)
 def test_a_tick_inside_a_step_is_heard_at_its_instant(folder, tmp_path, more, isolated):
     text = case_text(PUSHED, **PLACE, **more, own=f"isolated = {isolated}")
     results, time = solved(folder, tmp_path / "o.h5", text)
