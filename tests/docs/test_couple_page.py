@@ -10,6 +10,8 @@ import pytest
 
 import piston_cosim as pc
 
+from ..command import call
+
 PAGE = Path(__file__).parents[2] / "docs/tutorials/couple.md"
 
 
@@ -24,14 +26,10 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("couple")
     (folder / "script.py").write_text("\n".join(blocks("python")))
     (folder / "case.toml").write_text(blocks("toml")[0])
-    run = ["-m", "piston_cosim", "run", "case.toml", "--output", "results"]
-    said = [
-        subprocess.run(
-            [sys.executable, *words], cwd=folder, check=True, capture_output=True, text=True
-        ).stdout
-        for words in (["script.py"], run)
-    ]
-    assert "1000 steps," in said[0] and "evaluations per step" in said[0]
+    words = [sys.executable, "script.py"]
+    script = subprocess.run(words, cwd=folder, check=True, capture_output=True, text=True)
+    assert "1000 steps," in script.stdout and "evaluations per step" in script.stdout
+    assert call("run", "case.toml", "--output", "results", folder=folder).returncode == 0
     return folder
 
 
