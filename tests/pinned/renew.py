@@ -6,8 +6,6 @@
 A change of these values is a change of results: renew them only with the reason in the changelog.
 """
 
-import json
-import subprocess
 import sys
 import tempfile
 import tomllib
@@ -15,6 +13,8 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+
+import piston_cosim as pc
 
 VALUES = Path(__file__).parent / "values.toml"
 
@@ -50,7 +50,7 @@ def measure(results):
 
 
 def run(entry, folder):
-    """Run a pinned entry by the command line and measure it.
+    """Run a pinned entry in this process and measure it.
 
     Parameters
     ----------
@@ -59,12 +59,9 @@ def run(entry, folder):
     folder : Path
         For the results.
     """
-    command = [sys.executable, "-m", "piston_cosim", "run", entry["case"], "--no-plots"]
-    command += ["--only", entry["variant"], "--output", str(folder)]
-    for key, value in entry["set"].items():
-        command += ["--set", f"{key}={json.dumps(value)}"]
-    subprocess.run(command, check=True, capture_output=True, text=True)
-    return measure(folder / f"{entry['variant']}.h5")
+    path = folder / "run.h5"
+    pc.open_case(entry["case"], entry["set"], entry["variant"]).run(path).close()
+    return measure(path)
 
 
 def renewed(text, name, values):

@@ -3,7 +3,7 @@
 These tests do not show that the results are right: tests/ehd, tests/mfbd and tests/verification do.
 
 The values and the runs are in values.toml. `python tests/pinned/renew.py` renews them, and prints
-old and new values side by side. The runs use the command line, as a user does.
+old and new values side by side.
 """
 
 import pytest
