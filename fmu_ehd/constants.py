@@ -226,7 +226,7 @@ def fixed_of(x: Any, chosen: Any, tables: Tables, on_bore: bool) -> FilmConstant
         cells,
         tables.open_cells,
         bool(tables.open_cells.any()),
-        cavitation_of(chosen),
+        cavitation_of(x, chosen),
         cavitation.at_once(n_c, n_a),
     )
     factors = np.zeros((0, 0))

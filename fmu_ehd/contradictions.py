@@ -55,9 +55,10 @@ class AmbientPressures(NamedTuple):
 
 
 @compilable
-def cavitation_of(chosen: Any) -> Cavitation:
+def cavitation_of(x: Any, chosen: Any) -> Cavitation:
     """Return the cavitation model of a film."""
-    return MODELS[int(chosen.cavitation_model) - 1]
+    conserving, switching, clipping, _ = MODELS[int(chosen.cavitation_model) - 1]
+    return Cavitation(conserving, switching, clipping, x.cavitation_rounding)
 
 
 @compilable
@@ -134,7 +135,7 @@ def check_supply(x: Any, chosen: Any, faults: Array) -> None:
     _check_edge_on_bore(least, upper, above, fault, FAULT.upper_fraction_follows, faults)
     if own:
         refuse(faults, FAULT.openings_follow, 0, 0, 0.0, 0.0, 0.0)
-    if not cavitation_of(chosen).conserving:
+    if not cavitation_of(x, chosen).conserving:
         refuse(faults, FAULT.from_bore_not_conserving, 0, 0, 0.0, 0.0, 0.0)
 
 
@@ -162,6 +163,9 @@ def check_parameters(
         refuse(faults, FAULT.viscosities_reversed, 0, 0, x.viscosity_40, x.viscosity_100, 0.0)
     if rough and x.roughness_rms <= 0.0:
         refuse(faults, FAULT.factors_without_roughness, 0, 0, 0.0, 0.0, 0.0)
+    rounding = x.cavitation_rounding
+    if rounding > 0.0 and (x.coating_thickness > 0.0 or not cavitation_of(x, chosen).conserving):
+        refuse(faults, FAULT.rounding_without_jfo, 0, 0, rounding, 0.0, 0.0)
 
 
 def is_fed(edges: Edges, entrainment: Entrainment, open_cells: Flags, ring: bool) -> bool:

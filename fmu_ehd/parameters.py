@@ -73,6 +73,10 @@ class Parameters:
     """Axial length of the lubricated skirt."""
     cavitation_pressure: float = declared("Pa", 0.0, -2e5, 1e8)
     """Cavitation pressure, gauge."""
+    cavitation_rounding: float = declared("Pa", 0.0, 0.0, 1e4, advanced=True)
+    """Absolute pressure of the gas in cavities, which makes the film a smooth function of its
+    inputs; 0: none.
+    """
     minimum_flow_film: float = declared("m", 5e-8, 1e-9, 1e-5, advanced=True)
     """Lower limit of the film thickness in the flow equations."""
 

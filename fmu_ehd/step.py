@@ -330,7 +330,8 @@ def begin(fixed: FilmConstants, memory: Memory, inputs: Inputs, faults: Array) -
         limit = oil_layer.limit(bore, layer, carried, begun.start.length)
         edges = Edges(edges.pressure, edges.film_fraction, limit)
     lift = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
-    if not fixed.bearing:  # around a bearing oil is carried on without a lift
+    # around a bearing, and with a rounding, oil is carried on without a lift
+    if not fixed.bearing and domain.model.rounding == 0.0:
         lift = parts.lift(before, begun.pace, edges, inputs.length, domain)
     moved = Entrainment(fixed.share * inputs.turning, fixed.share * inputs.velocity)
     return StepStart(begun, layer, edges, lift, moved)

@@ -212,7 +212,7 @@ def solve(
     while True:
         film = hard_film + deflection  # Eq. (L2)
         flow = flow_film(film, sheared, layer.laws)
-        reduced, deficit = cavitation.interpret(domain.model, unknown, full)
+        reduced, deficit = cavitation.interpret(domain.model, unknown, full, domain.open_cells)
         filling = Filling(balance_pressure(domain.model, unknown, reduced), 1.0 + deficit, lift)
         soft = softness(pressed, deflection, layer, inputs, flow, filling, reduced, domain)
         now = BalanceInputs(

@@ -90,7 +90,7 @@ class FullCells(NamedTuple):
     """Signed unknown and full cells of one step.
 
     unknown : ndarray, shape (n_c, n_a), u: pressure [Pa] in full cells, film_fraction - 1 [-]
-    elsewhere;
+    elsewhere; that of Eq. (C6) [Pa] with a rounding;
     full : ndarray of bool, shape (n_c, n_a);
     iterations : number of factorisations;
     stencil : ndarray, shape (5, n_c, n_a), that was factorised last.
@@ -246,6 +246,64 @@ def full_cells(
 
 
 @compiled
+def newton_matrix(equations: Equations, unknown: Array, full: Flags):
+    """Return the derivative of the balance, Eq. (E1), to the unknown of Eq. (C6)."""
+    faces, lift, storage, edges, _, domain, _ = equations
+    of_pressure, of_fraction = cavitation.shares(domain.model, unknown, full)
+    everywhere = np.full(full.shape, True)
+    stencil, _ = reynolds.assemble(everywhere, faces, lift, storage, edges, domain.cells)
+    by_fraction, right = reynolds.assemble(~everywhere, faces, lift, storage, edges, domain.cells)
+    cavitation.weigh_columns(stencil, of_pressure)
+    cavitation.weigh_columns(by_fraction, of_fraction)
+    stencil += by_fraction
+    if domain.has_openings:
+        reynolds.hold(domain.open_cells, 0.0, stencil, right)
+    return stencil
+
+
+@compilable
+def rounded_cells(
+    sharp: FullCells, equations: Equations, solver: LinearSolver | Factors, faults: Array
+) -> FullCells:
+    """Unknown of one step by Newton's method, Eq. (C6).
+
+    Parameters
+    ----------
+    sharp : FullCells
+        Solution of Eq. (C1).
+    equations : Equations
+    solver : sparse.LinearSolver or blocks.Factors
+        Left with the factorisation of the solution.
+    faults : ndarray
+        `faults.refuse`: no solution, with the last change of the derivatives and its cell.
+
+    Returns
+    -------
+    FullCells
+    """
+    domain = equations.domain
+    rounding = domain.model.rounding
+    full = sharp.full
+    unknown = cavitation.rounding_start(sharp.unknown, full, domain.open_cells)
+    iteration = 0
+    while True:
+        _, now = balance(unknown, full, equations)
+        stencil = newton_matrix(equations, unknown, full)
+        factorise(solver, stencil, 0, full.shape[1] - 1)
+        change = solution(solver, stencil, now.residual)
+        bend, i, j = cavitation.unsettled(rounding, unknown, change, domain.open_cells)
+        unknown = unknown + change
+        iteration += 1
+        if bend <= cavitation.SETTLED:
+            break
+        if iteration == cavitation.MOST_ROUNDED or not np.isfinite(bend):
+            refuse(faults, FAULT.rounding_not_found, i, j, float(iteration), bend, 0.0)
+            break
+    full = cavitation.signs(unknown, full, domain.open_cells)
+    return FullCells(unknown, full, sharp.iterations + iteration, stencil)
+
+
+@compiled
 def give_up_lift(lift: Array, unknown: Array, full: Flags):
     """Remove the lift from rows in which a cell would owe oil; return whether there was any.
 
@@ -277,7 +335,7 @@ def lift_along(lift: Lift, axial_velocity: Array, domain: Domain):
 def balance(unknown: Array, full: Flags, equations: Equations):
     """Pressure, and what `reynolds.balance` says, for a signed unknown."""
     faces, lift, storage, edges, _, domain, _ = equations
-    pressure, deficit = cavitation.interpret(domain.model, unknown, full)
+    pressure, deficit = cavitation.interpret(domain.model, unknown, full, domain.open_cells)
     return pressure, reynolds.balance(
         pressure, deficit, faces, lift, storage, edges, domain.open_cells, domain.cells
     )
@@ -378,6 +436,8 @@ def solve(
         found = full_cells(equations, solver, found.full, faults)
         iterations += found.iterations
     whole = FullCells(found.unknown, found.full, iterations, found.stencil)
+    if domain.model.rounding > 0.0 and faults[0] == 0.0:
+        whole = rounded_cells(whole, equations, solver, faults)
     return completed(whole, equations, solver, given.softness.weight.size == 0)
 
 

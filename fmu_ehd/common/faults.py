@@ -48,6 +48,10 @@ SENTENCES = {
     "no_tangent": "the last step was refused, or there was none: it has no directional derivative",
     "factors_without_roughness": "roughness_rms: expected more than 0 m with flow_factors = "
     "patir_cheng_1978, got 0 m",
+    "rounding_without_jfo": "cavitation_rounding: expected 0 Pa with a coating or a "
+    "cavitation_model other than jfo, got {a} Pa",
+    "rounding_not_found": "cavitation_rounding: the film did not converge in {a} iterations: last "
+    "change of its derivatives {b} at [{i},{j}]",
     "deflection_not_found": "deflection of the coating did not converge in {a} iterations: last "
     "change {b} m at [{i},{j}]",
     "film_not_finite": "film_thickness[{i},{j}]: expected a finite value, got {a} m",

@@ -18,10 +18,20 @@ full_film:
 
 Eq. (C5):  p = u, f = 1
 
+jfo with a rounding c > 0, smooth in u [Pa]:
+
+Eq. (C6):  (p + c) (1 - f) = c,   p - u_v (1 - f) = u
+
 The balance is piecewise linear in u, so a repeated pattern is its exact solution (semismooth
 Newton). Should the pattern wander, cells are switched singly in a fixed order, which ends for every
 M-matrix [Murty1974]. Only jfo [Jakobsson1957], [Olsson1965] conserves oil; the others are there for
 comparison, and their mass_imbalance says what they lose.
+
+Of Eqs. (C2) to (C5) derivatives jump when a cell fills or empties. So a difference of many steps
+with films a thousandth apart has an error of percents. With Eq. (C6) it is a smooth function of the
+films. It is Boyle's law of a gas that fills a cavity at an absolute pressure c, so f >= 0 with p >=
+0, and 1 - f is about c / p in full cells. u_v is a scale of the unknown alone. Newton's method
+starts from the solution of Eq. (C1).
 
 References
 ----------
@@ -38,6 +48,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
 from ..common.grid import EAST, NORTH, SOUTH, WEST, Array, Flags
+from .contact import neighbour
 
 # a cell this little over-full stays cavitated: rounding of film_fraction - 1
 FRACTION_ROUNDOFF = 1e-13
@@ -46,6 +57,9 @@ PRESSURE_ROUNDOFF = 1e-12
 PRESSURE_NEGLIGIBLE = 1e-9  # [Pa] the same where there is no pressure at all
 ALL_AT_ONCE = 25  # iterations in which all cells switch together, at least
 LIMIT = 1000  # iterations in all
+VOID_PRESSURE = 1e6  # u_v [Pa]
+MOST_ROUNDED = 100  # Newton iterations with a rounding
+SETTLED = 1e-8  # change of the derivatives of Eq. (C6) by the last Newton step
 
 
 class PatternChange(NamedTuple):
@@ -70,12 +84,14 @@ class Cavitation(NamedTuple):
 
     conserving : cavitated cells carry film fraction;
     switching : cells without pressure leave the pressure equation;
-    clipping : negative pressures are cut off afterwards.
+    clipping : negative pressures are cut off afterwards;
+    rounding : c of Eq. (C6) [Pa], 0 for Eq. (C2).
     """
 
     conserving: bool
     switching: bool
     clipping: bool
+    rounding: float = 0.0
 
 
 CAVITATION = {
@@ -87,15 +103,105 @@ CAVITATION = {
 
 
 @compiled
-def interpret(model: Cavitation, unknown: Array, full: Flags):
-    """Pressure [Pa] and film_fraction - 1 [-] of a signed unknown."""
-    return _parted(model, unknown, full, unknown)
+def interpret(model: Cavitation, unknown: Array, full: Flags, fixed: Flags):
+    """Pressure [Pa] and film_fraction - 1 [-] of a signed unknown.
+
+    Eq. (C6) does not hold in `fixed` cells, the openings.
+    """
+    pressure, deficit = _parted(model, unknown, full, unknown)
+    if model.rounding > 0.0:
+        for i in range(full.shape[0]):
+            for j in range(full.shape[1]):
+                if not fixed[i, j]:
+                    absolute, void, _ = _rounded(unknown[i, j], model.rounding)
+                    pressure[i, j] = absolute - model.rounding
+                    deficit[i, j] = -void / VOID_PRESSURE
+    return pressure, deficit
 
 
 @compiled
 def shares(model: Cavitation, unknown: Array, full: Flags):
-    """Return the derivatives of pressure and film fraction to the signed unknown, 0 or 1."""
-    return _parted(model, unknown, full, np.ones_like(unknown))
+    """Return the derivatives of pressure and film fraction to the signed unknown.
+
+    They are 0 or 1 without rounding.
+    """
+    of_pressure, of_fraction = _parted(model, unknown, full, np.ones_like(unknown))
+    if model.rounding > 0.0:
+        for i in range(full.shape[0]):
+            for j in range(full.shape[1]):
+                absolute, void, root = _rounded(unknown[i, j], model.rounding)
+                of_pressure[i, j] = absolute / root
+                of_fraction[i, j] = void / (VOID_PRESSURE * root)
+    return of_pressure, of_fraction
+
+
+@compiled(inline="always")
+def _rounded(u, rounding):
+    """p + c, u_v (1 - f) and their sum by Eq. (C6) [Pa], without cancellation."""
+    product = rounding * VOID_PRESSURE
+    difference = u + rounding
+    root = np.sqrt(difference * difference + 4.0 * product)
+    larger = 0.5 * (abs(difference) + root)
+    smaller = product / larger
+    absolute, void = (larger, smaller) if difference > 0.0 else (smaller, larger)
+    return absolute, void, root  # Eq. (C6)
+
+
+@compiled
+def rounding_start(unknown: Array, full: Flags, fixed: Flags):
+    """Return the unknown of Eq. (C6) from that of Eq. (C2)."""
+    start = unknown.copy()
+    for i in range(full.shape[0]):
+        for j in range(full.shape[1]):
+            if not full[i, j] and not fixed[i, j]:
+                start[i, j] *= VOID_PRESSURE
+    return start
+
+
+@compiled
+def signs(unknown: Array, full: Flags, fixed: Flags):
+    """Return where u > 0, in `fixed` cells `full`."""
+    above = full.copy()
+    for i in range(full.shape[0]):
+        for j in range(full.shape[1]):
+            if not fixed[i, j]:
+                above[i, j] = unknown[i, j] > 0.0
+    return above
+
+
+@compiled
+def weigh_columns(stencil: Array, share: Array):
+    """Multiply the column of each cell in a stencil, shape (5, n_c, n_a), by its share; in place.
+
+    A share has the shape (n_c, n_a).
+    """
+    _, n_c, n_a = stencil.shape
+    for k in range(5):
+        for i in range(n_c):
+            for j in range(n_a):
+                a, b = neighbour(k, i, j, n_c, n_a)
+                stencil[k, i, j] *= share[a, b]
+
+
+@compiled
+def unsettled(rounding: float, unknown: Array, change: Array, fixed: Flags):
+    """Return the largest change of the shares by a Newton step, and its cell.
+
+    It is that of dp/du of Eq. (C6) to first order, `nan` where it is not finite.
+    """
+    largest = 0.0
+    at_i = 0
+    at_j = 0
+    for i in range(unknown.shape[0]):
+        for j in range(unknown.shape[1]):
+            if not fixed[i, j]:
+                _, _, root = _rounded(unknown[i, j], rounding)
+                bend = abs(2.0 * rounding * VOID_PRESSURE / (root * root * root) * change[i, j])
+                if not bend <= largest:
+                    largest = bend
+                    at_i = i
+                    at_j = j
+    return largest, at_i, at_j
 
 
 @compiled

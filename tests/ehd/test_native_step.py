@@ -119,6 +119,7 @@ def compared(changes, mask, surface, folder):
         (dict(RING | HALF, roughness_rms=2e-6, summit_height=1e-6, contact_law="power_fit"), None),
         (dict(ON_BORE, **ROUGH, coating_thickness=2e-5), WINDOWS),
         (dict(HALF | ON_BORE, **ROUGH), MIRRORED),
+        (dict(HALF | ON_BORE, cavitation_rounding=5.0), MIRRORED),
     ],
 )
 def test_the_step_has_the_bits_of_the_model(changes, mask, tmp_path):

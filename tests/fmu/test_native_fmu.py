@@ -82,6 +82,7 @@ FILMS = {
     **{name: Film(PHYSICS[name], allowed=C_LIBRARY) for name in OF_OIL},
     # Newton's method on a coating ends at 1e-11 of it
     "everything": Film(PHYSICS["everything"], allowed=1e-9),
+    "rounded": Film(dict(SCARCE, **ROUGH, cavitation_rounding=5.0)),
     "all on little oil": Film(
         dict(
             oil=Oil("two_point", "barus_1893", "carreau_1972", shear_thinning_exponent=0.6),
