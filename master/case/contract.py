@@ -11,7 +11,7 @@ from ...models import MODELS
 from ..coupling.wiring import Wire, port_of
 from ..fmi.errors import BadInput, for_all, names_of, unknown
 from ..participants.open import open_fmu
-from .keys import part_function
+from .keys import choices_of, part_function
 from .tables import reduced
 
 CONTRACT = MODELS / "lubrication_contract.toml"
@@ -380,10 +380,9 @@ def _swapped(trees, role, texts, say):
         """Return participant, name of the model, and its FMU or None for a parameter."""
         name, model = replaced_participant(first, role, text)
         if parameter and not model.endswith((".fmu", ".py")) and ".py:" not in model:
-            known = _choices(first["participants"][name].get("package"), parameter)
+            known = choices_of(first["participants"][name], parameter)
             if known and model not in known:
-                hint = "an FMU has the ending .fmu"
-                raise BadInput(f"--{role}: {unknown('model', model, known, hint)}")
+                raise BadInput(f"--{role}: {unknown('model', model, known)}")
             return name, model, None
         fmu = fmu_of_model(role, model, first["participants"][name], say)
         return name, model.rpartition(":")[2] if ".py:" in model else fmu.stem, fmu
@@ -411,13 +410,6 @@ def _swapped(trees, role, texts, say):
         label: tree | {"pictures": common[variant].get("pictures", [])}
         for label, (variant, tree) in variants.items()
     }
-
-
-def _choices(package, parameter):
-    """Return the choices of a parameter of the FMUs of a package, () if it declares none."""
-    declared = part_function(package, "declared_variables")
-    variables = declared(None, Path()) if declared else []
-    return next((one.choices for one in variables if one.name == parameter), ())
 
 
 def _set(tree, name, parameter, value):
@@ -502,6 +494,7 @@ def swap(
     texts = table.get("parameters", {})
     parameters = left(f"participants.{name}.parameters", {key: f"{name}.{key}" for key in texts})
     record = tree.get("record", {})
+    pictures = (_picture(one, known, left_out) for one in tree.get("pictures", []))
     swapped = tree | {
         "participants": tree["participants"]
         | {
@@ -523,11 +516,7 @@ def swap(
         },
         "studies": {},  # they compare runs of the case's own FMU
         "monitor": kept_reductions("monitor"),
-        "pictures": [
-            p
-            for p in (_picture(picture, known, left_out) for picture in tree.get("pictures", []))
-            if p
-        ],
+        "pictures": [*filter(None, pictures)],
     }
     return swapped, left_out
 

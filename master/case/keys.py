@@ -105,6 +105,12 @@ def _settable(table: dict[str, Any], folder: Path) -> list[Variable]:
     return [one for one in variables if one.causality in SETTABLE and not one.shape]
 
 
+def choices_of(table: dict[str, Any], parameter: str) -> tuple[str, ...]:
+    """Return the choices of a parameter of a participant's table, () if its part declares none."""
+    variables = _settable(table, Path()) if table.get("package") else []
+    return next((one.choices for one in variables if one.name == parameter), ())
+
+
 def _key(variable: Variable, before: str) -> Key:
     """Return a parameter of an FMU as a key of the case."""
     unit = "" if variable.unit == "1" else variable.unit
