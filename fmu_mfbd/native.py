@@ -467,14 +467,13 @@ def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
 def place(real, memory, step):
     """Write the films at coordinates after a step [s] from the state."""
     parts = parts_of(memory)
-    model, places, before = (
-        model_from(parts.model),
-        places_from(parts.places),
-        state_from(parts.state),
-    )
+    model, places = model_from(parts.model), places_from(parts.places)
+    before, inputs = state_from(parts.state), inputs_of(real, places)
     crank = crank_after(model, before, step, float(real[places.crank_speed]))
     c = step_coefficients(before, step, model.settings.spectral_radius)
-    films = films_at(model, before, c, crank, inputs_of(real, places), parts.coordinates)
+    surfaces = model.parts.surfaces
+    warm_walls(surfaces, model.cold, model.radii, model.settings, inputs.fields)
+    films = films_at(model, before, c, crank, inputs, parts.coordinates)
     put_films(real, places.skirt, films.skirt.film_thickness, films.skirt.sliding_velocity)
     put_films(real, places.pins, films.pins.film_thickness, films.pins.sliding_velocity)
 

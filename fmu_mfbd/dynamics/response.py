@@ -143,8 +143,8 @@ def pushed_motion(
     skirt_forces, rings, forces, carrier
         Directions; nodal forces stacked [N].
     is_exact : bool
-        Else modes of the skirt's films do not slide and are not coupled (Eq. (D4)), which changes
-        the products of the numerical example by up to 1e-4 and saves a fifth of their time.
+        Else modes do not slide along the skirt's films and are not coupled (Eq. (D4)), as in
+        products of an iteration whose fixed point does not depend on them.
     """
     chain, own = of.chain, last.linear
     skirt = total_forces(forces_by_film(of, last.guide_height, skirt_forces, is_exact))
