@@ -15,7 +15,7 @@ def test_there_are_six():
 
 
 LONG = ("bearing", "first_piston", "response_surface")
-"""Notebooks of more than 10 s. The test of the site, which .ci/run runs, runs them as well."""
+"""Notebooks of more than 10 s, which .ci/nightly runs, here and for the site."""
 
 
 @pytest.mark.parametrize(
