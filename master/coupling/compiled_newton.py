@@ -1,21 +1,22 @@
 """Interface Newton-Krylov of `run` as machine code: one call for each macro step.
 
 The code is that of a native coupled FMU, `native.iterate` in the library of the same packages. It
-calls the native FMUs of this process by pointers (front/parts.c).
+calls the native FMUs of this process by pointers (front/parts.c). It iterates in the coordinates of
+the bodies, as that FMU does, if these determine all unknowns.
 """
 
 import ctypes
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..fmi.block import memory_of, row_of
-from ..fmi.native_parts import NOWHERE
+from ..fmi.native_parts import NOWHERE, READ, WHOLE, NativePart
 from ..participants.fmi2 import FmuParticipant
 from .interface import Ends, Interface
-from .methods.krylov import RecycledGmres
+from .methods.krylov import RecycledGmres, forget
 from .methods.newton import Newton
 from .methods.solution import MacroStep, Method, Solution, Tried
 from .native_block import (
@@ -29,9 +30,12 @@ from .native_block import (
     WireRow,
     lengths_of,
     nothing_yet,
+    owner_of,
     parts_of,
     state_from,
+    with_coordinates,
 )
+from .vector import extrapolate
 from .wiring import System
 
 FUNCTIONS = (
@@ -40,13 +44,27 @@ FUNCTIONS = (
     "fmi2DoStep",
     "fmi2GetReal",
     "fmi2GetDirectionalDerivative",
+    "native_task",
 )
 FIRST_CALLED = 256
 """Code of the first instance, as in front/parts.c."""
 EMPTY = 2
-"""Length of the memory of an instance: an empty list of faults."""
+"""Length of the memory of an instance without coordinates: an empty list of faults."""
 NOTED = FOUND + 2
 """Numbers of `native.iterate` before the measures."""
+
+
+DERIVE = ctypes.CFUNCTYPE(
+    ctypes.c_int,
+    *(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_size_t),
+    *(ctypes.c_void_p, ctypes.c_void_p),
+)
+TASK = ctypes.CFUNCTYPE(
+    ctypes.c_int64, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_void_p
+)
+"""Functions of an FMU, the second as in front/native.c."""
+NEAR = 1e-6
+"""Share of a macro step in which two times are equal."""
 
 
 class Called(ctypes.Structure):
@@ -65,22 +83,34 @@ class Called(ctypes.Structure):
     ]
 
 
-def compiled_if_native(method: Method, system: System, packages: Iterable[str], may_build: bool):
+def compiled_if_native(
+    method: Method,
+    system: System,
+    packages: Mapping[str, str | None],
+    may_build: bool,
+    predicted: int = 0,
+):
     """Return the method, for `Newton` as machine code if all participants are native FMUs.
 
-    packages : of the participants; may_build : whether to build the library if there is none.
+    packages : of the participants; may_build : whether to build the library if there is none;
+    predicted : as of `CompiledNewton`.
     """
-    chosen = sorted({package for package in packages if package})
+    chosen = sorted({package for package in packages.values() if package})
     if type(method) is not Newton or method.differences or not system.wires or system.held:
         return method
     if any(wire.relative_tolerance or not wire.tolerance for wire in system.wires):
         return method
     if not chosen or not _are_native(system.participants.values()):
         return method
-    from ..fmi.builder_native import library_file  # slow to import
+    from ..fmi.builder_native import library_file, part_of  # slow to import
 
     library = library_file(("master.coupling", *chosen), may_build)
-    return CompiledNewton(method, library) if library else method
+    if not library:
+        return method
+    if not all(packages.get(name) for name in system.participants):
+        predicted = 0  # another FMU says nothing about its coordinates
+    parts = {name: part_of(str(packages[name])) for name in system.participants if predicted}
+    return CompiledNewton(method, library, parts, predicted)
 
 
 def _are_native(participants: Iterable[Any]) -> bool:
@@ -100,10 +130,16 @@ class CompiledNewton:
     newton : Newton
     library : Path
         Library of a native coupled FMU.
+    parts : mapping
+        Native parts of the participants by name.
+    predicted : int
+        Largest number of vectors from which coordinates are extrapolated; 0 iterates on wires.
     """
 
-    def __init__(self, newton: Newton, library: Path):
-        self.newton = newton
+    def __init__(
+        self, newton: Newton, library: Path, parts: Mapping[str, NativePart], predicted: int
+    ):
+        self.newton, self.parts, self.predicted = newton, parts, predicted
         self.run = ctypes.CDLL(str(library)).coupling_iterate
         self._interface: Interface | None = None
         self._iteration: Iteration | None = None
@@ -116,31 +152,53 @@ class CompiledNewton:
         if self._interface is not interface:
             self._interface = interface
             is_whole = _are_native(interface.participants.values())
-            self._iteration = Iteration(self.newton, interface, self.run) if is_whole else None
+            self._iteration = Iteration(self, interface) if is_whole else None
         solution = None
         if self._iteration and isinstance(macro_step, MacroStep):
             solution = self._iteration.solve(macro_step, guess, memory)
         return solution or self.newton.solve(macro_step, guess, memory)
 
 
-class Iteration:
-    """Participants and wires of an interface in the memory of the machine code."""
+class Coordinates:
+    """Coordinates of a native instance, in its memory; an FMU of an earlier version has none."""
 
-    def __init__(self, newton: Newton, interface: Interface, run: Any):
-        self.interface = interface
+    def __init__(self, participant: Any):
+        self.participant = participant
+        self.component, (derive, task) = participant.addresses(FUNCTIONS[-2:])
+        self._derive, self._task = DERIVE(derive), TASK(task) if task else None
+        self.count = len(self._coordinates(WHOLE)) if task else 0
+
+    def _coordinates(self, task: float) -> np.ndarray:
+        """Return all, in the memory of the instance; its next derivative does the task."""
+        at = ctypes.POINTER(ctypes.c_double)()
+        count: int = self._task(self.component, task, 0.0, ctypes.byref(at)) if self._task else 0
+        return np.ctypeslib.as_array(at, (count,))
+
+    def read(self, saved: Mapping[str, Any]) -> np.ndarray:
+        """Return those of the saved state of the participant."""
+        self.participant.restore(saved[self.participant.name])
+        coordinates = self._coordinates(READ)
+        self._derive(self.component, None, 0, None, 0, None, None)
+        return coordinates.copy()
+
+
+class Iteration:
+    """Participants and wires of an interface in the memory of the machine code.
+
+    The vector is that of the interface, then coordinates if there are some.
+    """
+
+    def __init__(self, method: "CompiledNewton", interface: Interface):
+        self.interface, self.predicted = interface, method.predicted
         self.names = list(interface.participants)
         self.all_ends: list[Any] = [interface.ends[name] for name in self.names]
-        layout, wires = interface.layout, len(interface.wires)
-        rows: list[ParticipantRow] = []
-        end = saved = 0
-        for k, ends in enumerate(self.all_ends):
-            variables = _variables(ends)
-            reals = 2 * variables
-            places = dict(real=end, integer=end + reals, memory=end + reals, saved=saved)
-            sizes = dict(reals=reals, memories=EMPTY, variables=variables)
-            rows.append(ParticipantRow(FIRST_CALLED + k, **places, **sizes))
-            end += reals + EMPTY
-            saved += variables
+        self.layout = interface.layout
+        owner, self.owned = self._owner(method.parts)
+        count = self.owned.count if self.owned else 0
+        if owner != NOWHERE:
+            self.layout = with_coordinates(self.layout, count)
+        newton, wires = method.newton, len(interface.wires)
+        rows = self._rows(count)
         setup = CoupledSetup(
             Rules(
                 *(0.0, 0.0, 0.0, 1, 0),  # Python steps
@@ -149,9 +207,9 @@ class Iteration:
                 newton.accuracy,
                 newton.forcing,
             ),
-            layout,
-            saved=saved,
-            owner=NOWHERE,
+            self.layout,
+            saved=sum(row.variables for row in rows),
+            owner=owner,
             order=np.arange(len(rows), dtype=float),
             starting=np.zeros(0),
             participants=np.array([np.array(row, float) for row in rows]),
@@ -159,22 +217,57 @@ class Iteration:
             exposed=ExposedVariables(*np.zeros((len(ExposedVariables._fields), 0, 0))),
             contents=np.zeros(0),
         )
-        lengths, unsaved = lengths_of(setup, end, 0)
+        lengths, unsaved = lengths_of(setup, rows[-1].memory + rows[-1].memories, 0)
         first = memory_of(
             {"setup": row_of(setup)}, dict(zip(CoupledMemory._fields[1:], lengths)), unsaved
         )
         self.block = np.zeros(int(first[0]))
         self.block[: len(first)] = first
-        parts = parts_of(self.block)
-        parts.state[:] = row_of(nothing_yet(setup))
-        self.pairs = state_from(parts.state).pairs
-        self.x = np.empty(interface.size)
+        self.state = parts_of(self.block).state
+        self.state[:] = row_of(nothing_yet(setup))
+        self.pairs, self.scale = state_from(self.state).pairs, state_from(self.state).scale
+        self.x = np.empty(len(self.layout.nominal))
         self.numbers = np.zeros(NOTED + newton.max_iterations * wires)
         self.called = (Called * len(rows))(*map(self._called, self.names))
         self._lengths = np.array([self.x.size, 0, self.block.size, self.numbers.size])
         arrays = self.x, self.block, self.numbers, self._lengths
         pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
-        self._run = lambda: run(self.called, ctypes.c_size_t(len(rows)), *pointers)
+        self._run = lambda: method.run(self.called, ctypes.c_size_t(len(rows)), *pointers)
+
+    def _owner(self, parts: Mapping[str, NativePart]) -> tuple[int, Coordinates | None]:
+        """Return the participant whose coordinates determine all unknowns, and these."""
+        if self.predicted:
+            own = {name: parts[name] for name in self.names}
+            owner = owner_of(self.interface.wires, self.layout, own)
+            if owner != NOWHERE:
+                owned = Coordinates(self.interface.participants[self.names[owner]])
+                return (owner, owned) if owned.count else (NOWHERE, None)
+        return NOWHERE, None
+
+    def _rows(self, coordinates: int) -> list[ParticipantRow]:
+        """Return the rows of all participants, each with room for so many coordinates."""
+        rows: list[ParticipantRow] = []
+        end = saved = 0
+        for k, ends in enumerate(self.all_ends):
+            variables = _variables(ends)
+            memory = end + 2 * variables
+            rows.append(
+                ParticipantRow(
+                    FIRST_CALLED + k,
+                    real=end,
+                    reals=2 * variables,
+                    integer=memory,
+                    memory=memory,
+                    memories=EMPTY + coordinates,
+                    variables=variables,
+                    saved=saved,
+                    first_coordinate=EMPTY,
+                    coordinates=coordinates,
+                )
+            )
+            end = memory + EMPTY + coordinates
+            saved += variables
+        return rows
 
     def _called(self, name: str) -> Called:
         """Return the instance of a participant, which has started."""
@@ -214,7 +307,10 @@ class Iteration:
         if any(one.is_last(time, step) for one in participants.values()):
             return None  # it may be shorter by round-off
         self._adopt(memory)
-        self.x[:] = guess
+        wires = self.interface.size
+        self.x[:wires] = guess
+        if self.owned:
+            self.x[wires:] = self._guess(macro_step, memory)
         self.numbers[:2] = step, time
         for one, called in zip(participants.values(), self.called):
             one.begin_step_at(time, step)
@@ -231,8 +327,11 @@ class Iteration:
         for one, ends in zip(participants.values(), self.all_ends):
             ends.written.values[ends.of_written] = self.x[ends.into]
             one.note_written(ends.written)
+        if self.owned:
+            now = self.x[wires:].copy()
+            memory.past = [*memory.past, (time + step, now)][-self.predicted :]
         history = tuple(map(max, trail))
-        return Solution(self.x.copy(), history, evaluations - 1, products)
+        return Solution(self.x[:wires].copy(), history, evaluations - 1, products)
 
     def _account(self) -> None:
         """Add the times of the calls."""
@@ -241,12 +340,31 @@ class Iteration:
             spent[name] += called.spent
             spent["transport"] += called.carried
 
+    def _guess(self, macro_step: MacroStep, memory: RecycledGmres) -> np.ndarray:
+        """Return the coordinates at the end of a step, extrapolated as the wires.
+
+        The memory may hold those of steps that were rejected later. It then lacks those at the
+        begin, which are read.
+        """
+        time, step = macro_step.time, macro_step.step
+        memory.past = [one for one in memory.past if one[0] <= time + NEAR * step]
+        if not memory.past or memory.past[-1][0] < time - NEAR * step:
+            assert self.owned
+            memory.past = [(time, self.owned.read(macro_step.saved))]
+        times, vectors = zip(*memory.past)
+        last = vectors[-1]
+        return last + macro_step.share * (extrapolate(times, vectors, time + step) - last)
+
     def _adopt(self, memory: RecycledGmres) -> None:
-        """Move the pairs of a memory into the block."""
-        if memory.pairs is not self.pairs:
-            for own, known in zip(self.pairs, memory.pairs_of(self.pairs.images.shape[1])):
+        """Move pairs and scale of a memory into the block."""
+        if memory.pairs is self.pairs:
+            return
+        forget(self.pairs)
+        if memory.pairs and memory.pairs.images.shape == self.pairs.images.shape:
+            for own, known in zip(self.pairs, memory.pairs):
                 own[...] = known
-            memory.pairs = self.pairs
+        self.scale[:] = 0.0 if memory.scale is None else memory.scale
+        memory.pairs, memory.scale = self.pairs, self.scale
 
 
 def _variables(ends: Ends) -> int:

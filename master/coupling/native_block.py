@@ -1,5 +1,6 @@
 """Memory of a coupled FMU without Python: rows of named tuples, see `master.fmi.block`."""
 
+from collections.abc import Mapping, Sequence
 from math import inf
 from typing import Annotated, NamedTuple
 
@@ -13,11 +14,13 @@ from ..fmi.block import (
     room_of,
 )
 from ..fmi.compiled import compilable, compiled
+from ..fmi.native_parts import NOWHERE, NativePart
 from ..fmi.noted import DAMAGED_STATE, ROOM, numbers_of
 from .methods import iteration
 from .methods.krylov import KEPT_OF_COORDINATES, NOISE_OF_COORDINATES, Pairs, no_pairs
 from .stepping import WITHOUT_PARTS
 from .vector import TOO_LONG, Layout
+from .wiring import Wire
 
 Array = np.ndarray
 Vector = Annotated[Array, "n"]
@@ -241,6 +244,23 @@ the first of what `find` notes.
 _room_of_state = room_of(CoupledState, "saved, predicted, size, coordinates, pairs, unknowns")
 _room_of_pairs = room_of(Pairs, "pairs, unknowns")
 _room_of_last = room_of(LastMacroStep, "reals")
+
+
+def owner_of(wires: Sequence[Wire], layout: Layout, parts: Mapping[str, NativePart]) -> int:
+    """Return the participant whose coordinates determine all unknowns, `NOWHERE` for none.
+
+    Other elements follow from one evaluation to the next, unless they have a tolerance.
+
+    parts : of all participants, in order.
+    """
+    unknown = [wire for wire, end in zip(wires, layout.ends) if end - 1 in layout.unknowns]
+    owners = {wire.source[0] for wire in unknown}
+    if len(owners) != 1 or np.isfinite(np.delete(layout.tolerance, layout.unknowns)).any():
+        return NOWHERE
+    (owner,) = owners
+    part = parts[owner]
+    has_all = part.coordinates != NOWHERE and not {w.source[1] for w in unknown} & {*part.direct}
+    return list(parts).index(owner) if has_all else NOWHERE
 
 
 @compilable

@@ -26,9 +26,9 @@ from .native_block import (
     Rules,
     WireRow,
     lengths_of,
+    owner_of,
     with_coordinates,
 )
-from .vector import Layout
 from .wiring import Wire, layout_of
 
 
@@ -102,7 +102,7 @@ def coupled_inside(
     limits = [row for row, port in zip(exposed["output"], ports) if port in options.limits]
     owner = NOWHERE
     if coupling.advanced.coordinates:
-        owner = _owner(options.wires, wires, insides, layout)
+        owner = owner_of(options.wires, layout, {name: one.part for name, one in insides.items()})
     if owner != NOWHERE:
         layout = with_coordinates(layout, rows[owner].coordinates)
     setup = CoupledSetup(
@@ -172,23 +172,6 @@ def _coordinates(inside: Inside) -> dict[str, int]:
         return {}
     first, end = inside.setup[PARTS_FROM + k : PARTS_FROM + k + 2].astype(int).tolist()
     return dict(first_coordinate=first, coordinates=end - first)
-
-
-def _owner(
-    wires: Sequence[Wire], rows: Sequence[WireRow], insides: Mapping[str, Inside], layout: Layout
-) -> int:
-    """Return the participant whose coordinates determine all unknowns, `NOWHERE` for none.
-
-    Other elements follow from one evaluation to the next, unless they have a tolerance.
-    """
-    unknown = [wire for wire, row in zip(wires, rows) if row.is_unknown]
-    owners = {wire.source[0] for wire in unknown}
-    if len(owners) != 1 or np.isfinite(np.delete(layout.tolerance, layout.unknowns)).any():
-        return NOWHERE
-    (owner,) = owners
-    part = insides[owner].part
-    has_all = part.coordinates != NOWHERE and not {w.source[1] for w in unknown} & {*part.direct}
-    return list(insides).index(owner) if has_all else NOWHERE
 
 
 def _contents(inside: Inside) -> np.ndarray:

@@ -16,7 +16,7 @@ from .methods import MacroStep, Method, NotConverged, Solution
 from .methods.explicit import Explicit
 from .settling import solve_settled
 from .step_control import StepControl
-from .vector import extrapolate, is_longer, joined, lagrange, moved
+from .vector import extrapolate, is_longer, joined, lagrange, step_length
 from .wiring import HeldWire, System
 
 Judge = Callable[[float, Solution, bool, bool], None]
@@ -484,13 +484,13 @@ class Stepper:
         self.counters.halved_steps += not is_final
 
     def _converge(self, time: float, step: float, saved: dict[str, Any]) -> Solution:
-        start = self.predictor.past[-1][1]
+        start, share = self.predictor.past[-1][1], 1.0
         guess = self.predictor(time + step)
         if self.interface.is_limited:
-            guess = moved(self.interface.layout, start, guess - start)
-        elif self.predictor.past[1:]:
-            guess = start + (guess - start)
-        macro_step = MacroStep(self.interface, time, step, saved)
+            share = step_length(self.interface.layout, start, guess - start)
+        if self.interface.is_limited or self.predictor.past[1:]:
+            guess = start + share * (guess - start)
+        macro_step = MacroStep(self.interface, time, step, saved, share)
         return solve_settled(self.method, macro_step, guess, self.memory)
 
 

@@ -8,7 +8,7 @@ from .native_parts import NativePart
 from .slave import PRODUCT, SEED, FieldSlave, reserved
 from .variables import KINDS, Variable
 
-MARK = b"PCNATIV4"
+MARK = b"PCNATIV5"
 """First bytes of resources/slave.bin. The last digit is the version, as in front/native.c."""
 
 WORD = 8  # bytes that are summed at once
@@ -37,6 +37,7 @@ def slave_file(slave: FieldSlave, part: NativePart, setup: np.ndarray) -> bytes:
         len(slave.derivative_outputs),
         len(table),
         len(setup),
+        part.coordinates,
         len(part.faults),
         len(texts),
     ]

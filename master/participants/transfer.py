@@ -115,8 +115,8 @@ class FmuFields(DescribedFmu):
             self._written = block
 
     def addresses(self, functions):
-        """Return the instance and functions of the FMU ("fmi2DoStep") as numbers."""
-        pointers = [getattr(self._functions, name) for name in functions]
+        """Return the instance and functions of the FMU as numbers, None for a missing function."""
+        pointers = [getattr(self._functions, name, None) for name in functions]
         return self._functions.component.value, [
             ctypes.cast(one, ctypes.c_void_p).value for one in pointers
         ]

@@ -225,9 +225,11 @@ class ActiveRun(Observer):
 
     def _method(self):
         """Return the method, as machine code if all participants are."""
-        packages = {table.package for table in self.case.participants.values()}
-        method = method_of(self.case.coupling)
-        return compiled_if_native(method, self.system, packages, bool(self.case.native))
+        coupling = self.case.coupling
+        packages = {name: table.package for name, table in self.case.participants.items()}
+        predicted = coupling.predictor + 1 if coupling.advanced.coordinates else 0
+        native = bool(self.case.native)
+        return compiled_if_native(method_of(coupling), self.system, packages, native, predicted)
 
     def _ledger(self):
         """Return the ledger of the participants whose role in the contract has a power output."""

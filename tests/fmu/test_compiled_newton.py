@@ -11,13 +11,14 @@ from piston_cosim.master.case.system import open_system
 from piston_cosim.master.coupling.compiled_newton import CompiledNewton, compiled_if_native
 from piston_cosim.master.coupling.freezing import freeze, thaw
 from piston_cosim.master.coupling.methods.newton import Newton
+from piston_cosim.master.coupling.methods.solution import MacroStep
 from piston_cosim.master.coupling.starting import start
 from piston_cosim.master.coupling.stepping import Observer, StepFailed, Stepper
 
 from .runs import EXAMPLE, needs_compiler, small_tree
 
 STEPS = 12
-PACKAGES = ("fmu_ehd", "fmu_mfbd")
+PACKAGES = {"ehd": "fmu_ehd", "bodies": "fmu_mfbd"}
 SUMS = 1e-9
 """Of the largest value: sums in another order, which a linear solve multiplies. 2e-11 was seen."""
 
@@ -32,13 +33,18 @@ class Journal(Observer):
         self.trails.append((np.array(trail), str(failure)))
 
 
-def stepper(newton, is_compiled):
-    """Return a started stepper of the small case with native half films, and its journal."""
+def stepper(newton, is_compiled, predicted=0):
+    """Return a started stepper of the small case with native half films, and its journal.
+
+    predicted : more than 0 iterates in coordinates.
+    """
     own = ("native", True), ("symmetric", True), ("time.stop", "30 deg")
     case = check_case(small_tree(*own), EXAMPLE)
     system = open_system(case, EXAMPLE.parent, print)
     start(system)
-    method = compiled_if_native(newton, system, PACKAGES, True) if is_compiled else newton
+    method = newton
+    if is_compiled:
+        method = compiled_if_native(newton, system, PACKAGES, True, predicted)
     journal = Journal([])
     return Stepper(system, method, 2, journal), journal
 
@@ -78,11 +84,35 @@ def test_steps_are_those_of_newton_in_python_and_only_machine_code_takes_them(mo
         assert one.interface.spent[name] > 0.0
 
 
-def test_a_resumed_run_has_the_same_bits():
-    whole = taken(stepper(Newton(), True)[0], 0, STEPS)
-    begun, _ = stepper(Newton(), True)
+def test_coordinates_give_the_fixed_point_of_the_wires(monkeypatch):
+    wires, (one, ours) = stepper(Newton(), True)[0], stepper(Newton(), True, 3)
+    monkeypatch.setattr(Newton, "solve", lambda *_: pytest.fail("solved in Python"))
+    expected, x = taken(wires, 0, STEPS), taken(one, 0, STEPS)
+    tolerance = one.interface.tolerance
+    unknown = np.isfinite(tolerance)
+    # each step leaves up to its tolerance, and the steps before it a part of theirs
+    assert (np.abs(x - expected) <= 2.0 * tolerance)[unknown].all()
+    assert [len(trail) for trail, _ in ours.trails] == one.counters.iterations
+    assert one.counters.derivative_products < wires.counters.derivative_products
+
+
+def test_coordinates_of_a_rejected_step_are_forgotten():
+    one, _ = stepper(Newton(), True, 3)
+    x = taken(one, 0, 2)
+    begin = 2 * EXAMPLE_STEP
+    saved = {name: participant.save() for name, participant in one.interface.participants.items()}
+    for length in (EXAMPLE_STEP, EXAMPLE_STEP / 2):
+        one.method.solve(MacroStep(one.interface, begin, length, saved), x, one.memory)
+    times = [time / EXAMPLE_STEP for time, _ in one.memory.past]
+    assert times == pytest.approx([1.0, 2.0, 2.5])
+
+
+@pytest.mark.parametrize("predicted", [0, 3], ids=["wires", "coordinates"])
+def test_a_resumed_run_has_the_same_bits(predicted):
+    whole = taken(stepper(Newton(), True, predicted)[0], 0, STEPS)
+    begun, _ = stepper(Newton(), True, predicted)
     taken(begun, 0, STEPS // 2)
-    resumed, _ = stepper(Newton(), True)
+    resumed, _ = stepper(Newton(), True, predicted)
     thaw(resumed, freeze(begun))
     assert np.array_equal(taken(resumed, STEPS // 2, STEPS), whole)
 

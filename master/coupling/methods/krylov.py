@@ -386,13 +386,18 @@ class RecycledGmres:
     Eq. (Q11):  pairs <= 1.3 d + 4,   d = tr Z' Z (Z' Z + n I)^-1
 
     d counts the directions in which the pairs differ by more than the noise.
+
+    Machine code that solves in coordinates (`CompiledNewton`) also keeps them at the last accepted
+    times, and their scale.
     """
 
     def __init__(self):
         self.pairs: Pairs | None = None
+        self.past: list[tuple[float, Array]] = []
+        self.scale: Array | None = None
 
     def pairs_of(self, unknowns: int) -> Pairs:
         """Return the pairs; before a first solve there are none in use."""
-        if self.pairs is None:
+        if self.pairs is None or self.pairs.images.shape[1] != unknowns:
             self.pairs = no_pairs(unknowns)
         return self.pairs

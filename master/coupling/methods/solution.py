@@ -12,13 +12,15 @@ from ..interface import Evaluation, Interface
 class MacroStep(NamedTuple):
     """Macro step of `interface` from `time` over `step` [s].
 
-    Every evaluation begins from the `saved` states.
+    Every evaluation begins from the `saved` states. share : of the predicted change, which the
+    limits of wires have left.
     """
 
     interface: Interface
     time: float
     step: float
     saved: dict[str, Any]
+    share: float = 1.0
 
     def evaluate(self, x: np.ndarray) -> Evaluation:
         """Return `Interface.evaluate` of this step."""

@@ -455,7 +455,7 @@ int front_derivative(Instance *I, const char *where, const Reference *unknown, s
         return ERROR;
     for (int64_t k = 0; k < I->seeds; k++)
         memset(I->real + I->seed[k].reserved, 0, (size_t)I->seed[k].size * sizeof(double));
-    int moves = 0, status = OK;
+    int moves = I->task != 0.0, status = OK;
     for (size_t k = 0, run; k < knowns; k += run) {
         int64_t index = reserved(I, I->seed, I->seeds, known[k]);
         run = run_of(I->seed, I->seeds, known + k, knowns - k);

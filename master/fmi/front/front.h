@@ -37,6 +37,7 @@ typedef struct Instance {
     Entry *variable;
     unsigned char *causality;               /* by value references of FMI 2 */
     double *rate;                           /* owned: derivatives of reals by order, then the reals; NULL if none is set */
+    double task, more;                      /* of native.c: what the next derivative does, the whole if 0 */
 } Instance;
 
 enum { OK, WARNING, DISCARD, ERROR, FATAL };    /* numbers of statuses in both standards */

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char MARK[8] = "PCNATIV4";      /* the last digit is the version of the file */
+static const char MARK[8] = "PCNATIV5";      /* the last digit is the version of the file */
 
-enum { FAULT_NUMBERS = 6, MOST_FAULTS = 24, LONGEST = 16384 };
+enum { FAULT_NUMBERS = 6, MOST_FAULTS = 24, LONGEST = 16384, PARTS_FROM = 4 /* as in master/fmi/block.py */ };
 
 /* Description of a variable in the file: numbers, then ranges; texts are separate. */
 typedef struct { int64_t type, offset, size, causality, extent[3], choices; } Row;
@@ -19,7 +19,7 @@ typedef struct { const char *name, *unit; const char **choice; } Words;
 
 typedef struct { uint64_t first, second; } Sums;
 
-typedef struct { int64_t reals, first_integer, integers, seeds, products, variables, given, faults, texts; } Head;
+typedef struct { int64_t reals, first_integer, integers, seeds, products, variables, given, coordinates, faults, texts; } Head;
 
 typedef struct {
     char *file;                         /* its content, into which the following pointers point */
@@ -31,7 +31,7 @@ typedef struct {
     const int64_t *start_integer;
     Words *words;
     const char **choices, **fault, *refusal;
-    int64_t lengths[4], first_state, states, first_fault;
+    int64_t lengths[4], first_state, states, first_fault, first_coordinate, coordinates;
     double *real;                       /* variables, then seeds and products */
     int64_t *integer;
     double *memory;
@@ -416,10 +416,23 @@ int slave_products(Instance *I)
 {
     Native *N = I->slave;
     char text[LONGEST] = "";
-    if (N->has_state && run(N, native_tangent, 0.0, 0.0, text, "; "))
+    double task = I->task, more = I->more;
+    I->task = I->more = 0.0;
+    if (N->has_state && run(N, native_tangent, task, more, text, "; "))
         return OK;
     front_log(I, ERROR, "%s", *text ? text : "not initialised");
     return ERROR;
+}
+
+/* Let the next derivative do a task on the coordinates of the model (`WHOLE` in master/fmi/native_parts.py). Return their
+   number, and where they are. */
+__attribute__((visibility("default")))
+int64_t native_task(Instance *I, double task, double more, double **coordinates)
+{
+    Native *N = I->slave;
+    I->task = task, I->more = more;
+    *coordinates = N->memory + N->first_coordinate;
+    return N->coordinates;
 }
 
 int slave_terminate(Instance *I) { (void)I; return OK; }
@@ -461,6 +474,10 @@ static const char *make(Instance *I)
     const Head *h = N->head;
     const double *sizes = N->given;         /* `memory_of` in block.py */
     N->first_state = (int64_t)sizes[1], N->states = (int64_t)sizes[2], N->first_fault = (int64_t)sizes[3];
+    if (h->coordinates >= 0) {              /* a part of the memory */
+        const double *ends = sizes + PARTS_FROM + h->coordinates;
+        N->first_coordinate = (int64_t)ends[0], N->coordinates = (int64_t)(ends[1] - ends[0]);
+    }
     N->lengths[0] = h->first_integer, N->lengths[1] = h->integers, N->lengths[2] = (int64_t)sizes[0], N->lengths[3] = 4;
     N->memory = malloc((size_t)sizes[0] * sizeof(double));
     N->real = calloc((size_t)h->first_integer, sizeof(double));

@@ -4,6 +4,7 @@
 #include "native.h"
 
 #include <stddef.h>
+#include <string.h>
 #include <time.h>
 
 #define EXPORT __attribute__((visibility("default")))
@@ -19,7 +20,8 @@ static Entering *const entries[][3] = {PARTS};
 /* As `ParticipantRow` in master/coupling/native_block.py begins. */
 enum { CODE, REAL, REALS, INTEGER, INTEGERS, MEMORY, MEMORIES };
 enum { ADVANCE = 1 };                   /* as in master/coupling/native_system.py; other entries are derivatives */
-enum { FIRST_CALLED = 256, WARNING = 1 };       /* as in master/coupling/compiled_newton.py */
+enum { WHOLE, TO_COORDINATES, FROM_COORDINATES, READ, PLACE };      /* tasks of these, as in master/fmi/native_parts.py */
+enum { FIRST_CALLED = 256, EMPTY = 2, WARNING = 1 };        /* as in master/coupling/compiled_newton.py */
 
 /* An instance, as `Called` in master/coupling/compiled_newton.py. Its variables are inputs, outputs, seeds, products. */
 typedef struct {
@@ -29,6 +31,7 @@ typedef struct {
     int (*step)(void *, double, double, int);
     int (*get)(void *, const uint32_t *, size_t, double *);
     int (*derive)(void *, const uint32_t *, size_t, const uint32_t *, size_t, const double *, double *);
+    int64_t (*task)(void *, double, double, double **);
     const uint32_t *inputs, *outputs;
     size_t input_count, output_count;
     double spent, carried;              /* in steps and derivatives; in values and states [s] */
@@ -48,25 +51,50 @@ static double now(void)
 #endif
 }
 
-/* Run an entry of an instance; 0, or a call failed. */
-static int32_t run_called(Called *one, int64_t entry, double *real, const double *numbers)
+/* Set an instance to its state at the beginning of the macro step, and its inputs; 0, or a call failed. */
+static int32_t set_back(Called *one, const double *inputs)
 {
-    double *outputs = real + one->input_count, *seeds = outputs + one->output_count;
+    return one->set_state(one->component, one->begin) > WARNING
+           || one->set(one->component, one->inputs, one->input_count, inputs) > WARNING;
+}
+
+/* Run a derivative of an instance, or a task on its coordinates; 0, or a call failed. */
+static int32_t run_derivative(Called *one, double *real, double *coordinates, const double *numbers)
+{
+    double *outputs = real + one->input_count, *seeds = outputs + one->output_count, *own = NULL;
+    int task = (int)numbers[0], reads = task <= TO_COORDINATES, writes = task == WHOLE || task == FROM_COORDINATES;
+    size_t size = 0;
+    if (task == PLACE && set_back(one, real))
+        return 1;
+    if (task != WHOLE) {
+        size = (size_t)one->task(one->component, numbers[0], numbers[1], &own) * sizeof(double);
+        memcpy(own, coordinates, size);
+    }
+    int status = one->derive(one->component, one->outputs, writes ? one->output_count : 0, one->inputs,
+                             reads ? one->input_count : 0, seeds, seeds + one->input_count);
+    if (size)
+        memcpy(coordinates, own, size);
+    if (task == PLACE && status <= WARNING)
+        status = one->get(one->component, one->outputs, one->output_count, outputs);
+    return status > WARNING;
+}
+
+/* Run an entry of an instance; 0, or a call failed. */
+static int32_t run_called(Called *one, int64_t entry, double *real, double *memory, const double *numbers)
+{
     double begun = now();
     if (entry != ADVANCE) {
-        int status = one->derive(one->component, one->outputs, one->output_count, one->inputs, one->input_count, seeds,
-                                 seeds + one->input_count);
+        int32_t failed = run_derivative(one, real, memory + EMPTY, numbers);
         one->spent += now() - begun;
-        return status > WARNING;
+        return failed;
     }
-    if (one->set_state(one->component, one->begin) > WARNING
-        || one->set(one->component, one->inputs, one->input_count, real) > WARNING)
+    if (set_back(one, real))
         return 1;
     double fed = now();
     int status = one->step(one->component, numbers[1], numbers[0], 1 /* no state before is restored */);
     double stepped = now();
     if (status <= WARNING)
-        status = one->get(one->component, one->outputs, one->output_count, outputs);
+        status = one->get(one->component, one->outputs, one->output_count, real + one->input_count);
     one->spent += stepped - fed;
     one->carried += fed - begun + now() - stepped;
     return status > WARNING;
@@ -79,7 +107,8 @@ INTERNAL int32_t native_part(int64_t entry, const double *row, double *memory, d
         return -1;
     size_t code = (size_t)row[CODE];
     if (code >= FIRST_CALLED)
-        return run_called(called + code - FIRST_CALLED, entry, memory + (size_t)row[REAL], numbers);
+        return run_called(called + code - FIRST_CALLED, entry, memory + (size_t)row[REAL], memory + (size_t)row[MEMORY],
+                          numbers);
     if (code >= sizeof entries / sizeof *entries)
         return -1;
     void *result = NULL, *raised = NULL;
