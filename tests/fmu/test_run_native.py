@@ -76,6 +76,9 @@ def two_films():
 def test_a_run_takes_as_many_evaluations_and_its_curves_agree(make, scalars, tmp_path):
     needs_compiler()
     tree, path = make()
+    coupling = tree["coupling"]
+    on_wires = coupling | {"advanced": coupling.get("advanced", {}) | {"coordinates": False}}
+    tree = tree | {"coupling": on_wires}
     native, python = (
         run_tree(path, tree | {"native": native}, tmp_path / f"{native}.h5")
         for native in (True, False)
