@@ -200,8 +200,9 @@ class Advanced(Table):
     differences: Flag = False
     """Use finite differences instead of the participants' directional derivatives."""
     coordinates: Flag = True
-    """Iterate a native FMU of the whole case in the coordinates of its bodies where these determine
-    all unknowns. It takes less time than the iteration on wires, with the same fixed point.
+    """Iterate a native FMU of the whole case, or native participants, in the coordinates of the
+    bodies where these determine all unknowns. It takes less time than the iteration on wires, with
+    the same fixed point.
     """
     halvings: int = Field(6, ge=0, le=50)
     """Maximum number of halvings of a macro step that fails."""
