@@ -38,6 +38,10 @@ from .vector import Evaluation, Layout, largest
 
 EXACT, ROUGH = 0.0, 1.0
 """Products of a solve may be rough: Eq. (Q1) then has another matrix, and the same fixed point."""
+SMALL_RESIDUAL = 300.0
+"""Residual over its tolerance at which the first update of a step has rough products. They leave a
+three-hundredth of it. Where surfaces touch, further rough updates do not converge.
+"""
 LEAST = 1e-6
 """Scale of coordinates that move no film, over the largest scale."""
 
@@ -162,6 +166,7 @@ def evaluate(step: Step, x: np.ndarray):
         for w, end in enumerate(step.system.layout.ends):
             step.trail[k, w] = largest(shares[begin:end])
             begin = end
+    if is_answered:
         step.evaluations[0] = k + 1.0
     return Answer(at, measure, tolerance)
 
@@ -211,12 +216,14 @@ class CoordinateSystem(NamedTuple):
     """Linear system of a Newton update in the coordinates z of the owner, see `coordinate_update`.
 
     values : ndarray, shape (coordinates,), in the memory of the owner;
-    limits : ndarray, shape (size,), bounds on the residual of the unknowns.
+    limits : ndarray, shape (size,), bounds on the residual of the unknowns;
+    rough : `EXACT` or `ROUGH`.
     """
 
     step: Step
     values: np.ndarray
     limits: np.ndarray
+    rough: float
 
 
 @compiled
@@ -253,7 +260,8 @@ def coordinate_product(linear: CoordinateSystem, k: int, direction: np.ndarray, 
     """Write the k-th product with I - C A S; return whether all participants answered."""
     system = linear.step.system
     keep(linear.values, direction / system.scale)
-    if not (call_owner(system, FROM_COORDINATES, ROUGH) and pass_through(system, ROUGH)):
+    rough = linear.rough
+    if not (call_owner(system, FROM_COORDINATES, rough) and pass_through(system, rough)):
         return False
     keep(out, direction - linear.values * system.scale)
     return True
@@ -264,7 +272,7 @@ def coordinate_excess(linear: CoordinateSystem, residual: np.ndarray):
     """Return the largest residual of an unknown over its limit."""
     system = linear.step.system
     keep(linear.values, residual / system.scale)
-    if not call_owner(system, FROM_COORDINATES, ROUGH):
+    if not call_owner(system, FROM_COORDINATES, linear.rough):
         return np.inf
     above = 0.0
     for w in range(len(system.wires)):
@@ -336,7 +344,8 @@ def coordinate_update(step: Step, answer: Answer, rules: Rules, layout: Layout, 
             return Update(change, count, False)
         right += values * system.scale
     goal = Goal(rules.forcing * length(right), np.inf)
-    linear = CoordinateSystem(step, values, limits)
+    is_small = answer.measure <= SMALL_RESIDUAL and step.evaluations[0] <= 1.0
+    linear = CoordinateSystem(step, values, limits, ROUGH if is_small else EXACT)
     most = rules.largest_krylov_space
     # Eq. (Q13)
     solved = minimise(coordinate_product, coordinate_excess, linear, right, goal, pairs, most)

@@ -135,8 +135,7 @@ def test_every_output_is_that_of_the_fmu_in_python():
 def test_coordinates_give_the_fixed_point_of_the_wires():
     """Both iterations leave a part of the tolerance, here of surfaces that touch.
 
-    At 10 nm their largest difference was 6e-3 of the largest value, at 0.01 nm 3e-7. The rough
-    products in coordinates cost 6 % of the evaluations.
+    At 10 nm their largest difference was 6e-3 of the largest value, at 0.01 nm 3e-7.
     """
     apart = []
     for tolerance, velocity in (("10 nm", 1e-5), (CONVERGED, 1e-8)):

@@ -2,16 +2,18 @@
 
 It times `run` with Python participants, the time inside these, which no master could save, and both
 participants in one native FMU. It also prints the film's share of the time inside, `run` with
-native participants, and the number of derivatives per macro step.
+native participants, the time inside these, and the number of derivatives per macro step.
 
 The run is the numerical example from rest, without fields in the results. The time of the start is
 left out, and the best of several passes counts.
 
-Run: python tests/bench/slow/cost.py [STEPS], on a quiet machine. The default of 60 steps of 1 deg
-draws docs/cost.svg.
+Run: python tests/bench/slow/cost.py [STEPS [FOLDER]], on a quiet machine. FOLDER is a checkout of
+an earlier version, whose native FMU is measured too. 60 steps of 1 deg, the default, and a FOLDER
+draw docs/cost.svg.
 """
 
 import sys
+from math import nan
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
@@ -21,6 +23,7 @@ sys.path.insert(0, str(HERE.parents[1]))
 
 import matplotlib.pyplot as plt
 from native import DEGREE_AT_6000, started
+from speed import measured
 
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.export import export_fmu
@@ -28,24 +31,33 @@ from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.tests.verification.cases.coupling import modes_a_body, summary_of
 
 STEPS = int(sys.argv[1]) if sys.argv[1:] else 60
+EARLIER = sys.argv[2] if sys.argv[2:] else None
 PASSES = 2
 CELLS = (20, 40, 80)  # around and along
 MODES = (0, 20, 60, 200)  # a body
 USUAL = 60, 40
 PICTURE = HERE.parents[3] / "docs" / "cost.svg"
-CURVES = ("run", "of that inside film and bodies", "both in one native FMU")
+CURVES = {
+    "run": ("o-", "run, participants in Python"),
+    "inside": ("o:", "of that inside film and bodies"),
+    "before": ("s--", "one native FMU, commit 286c6dce"),
+    "native": ("^-", "run, native participants"),
+    "single": ("s-", "one native FMU"),
+    "native_inside": ("s:", "inside native film and bodies"),
+}
+"""Member of `Costs` -> style and label."""
 
 
 class Costs(NamedTuple):
     """Times of a macro step [ms] and number of derivatives (`products`).
 
-    `run`, `inside` and `single` are the `CURVES`, and `film` is the time inside the film. `native`
-    is the time of `run` with native participants, and `native_inside` the time inside these.
+    `film` is the time inside the film in Python, `before` that of the native FMU of `EARLIER`.
     """
 
     run: float
     inside: float
     single: float
+    before: float
     film: float
     native: float
     native_inside: float
@@ -84,11 +96,17 @@ def costs(modes, *grid):
         1e3 / python["steps"] * python["wall_time_s"],
         inside(python, "bodies", "ehd"),
         1e3 / STEPS * min(single),
+        1e3 * min(_before(changes) for _ in range(PASSES)) if EARLIER else nan,
         inside(python, "ehd"),
         1e3 / native["steps"] * native["wall_time_s"],
         inside(native, "bodies", "ehd"),
         python["derivative_products"] / python["steps"],
     )
+
+
+def _before(changes):
+    """Return the time of a macro step of the native FMU of `EARLIER` [s]."""
+    return measured("single", STEPS, dict(changes), EARLIER)["step"]
 
 
 def table(name, values, rows):
@@ -102,19 +120,19 @@ def table(name, values, rows):
 
 def draw(by_cells, by_modes):
     """Both pictures side by side."""
-    figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.6), sharey=True, layout="constrained")
+    figure, axes = plt.subplots(1, 2, figsize=(9.0, 4.3), sharey=True, layout="constrained")
     for ax, values, rows, label in (
         (axes[0], CELLS, by_cells, f"cells around and along, {USUAL[0]} modes a body"),
         (axes[1], MODES, by_modes, f"modes a body, {USUAL[1]} x {USUAL[1]} cells"),
     ):
-        for curve, style, times in zip(CURVES, ("o-", "o--", "s-"), zip(*rows)):
-            ax.plot(values, times, style, label=curve)
+        for curve, (style, name) in CURVES.items():
+            ax.plot(values, [getattr(one, curve) for one in rows], style, label=name)
         ax.set(xlabel=label, yscale="log")
         ax.grid(which="both", alpha=0.3)
     axes[0].set(xscale="log", xticks=CELLS, xticklabels=CELLS, ylabel="time a macro step [ms]")
     axes[0].minorticks_off()
     axes[1].set_xticks(MODES)
-    axes[0].legend()
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     figure.savefig(PICTURE)
 
 
@@ -124,5 +142,5 @@ if __name__ == "__main__":
     by_cells = [by_modes[2] if n == USUAL[1] else costs(USUAL[0], n, n) for n in CELLS]
     table("cells", CELLS, by_cells)
     table("rigid", [12], [costs(0, 12, 10)])
-    if STEPS == 60:
+    if STEPS == 60 and EARLIER:
         draw(by_cells, by_modes)
