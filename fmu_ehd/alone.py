@@ -359,14 +359,10 @@ class Film:
         """Return the outputs of `equilibrium`; the film thickness of `inputs` is the clearance."""
         clearance = inputs["film_thickness"]
         shapes = journal.shapes_of(shells, self.grid, load)
-        still = np.zeros(self.grid)
         first = self._start(inputs)
 
-        def tangent(film_thickness: Array) -> tuple[Array, ...]:
-            return self.model.tangent(film_thickness, still, still)
-
         def by_shapes() -> Array:
-            return journal.by_shapes(tangent, shapes, self.grid)
+            return journal.by_shapes(self.model.tangent, shapes, self.grid)
 
         def settled(film_thickness: Array, state: Memory) -> journal.SettledFilm:
             self.state = state

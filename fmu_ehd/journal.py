@@ -220,7 +220,7 @@ def by_shapes(
     Parameters
     ----------
     tangent : callable
-        Change of the nodal forces for a change of the film thickness, shape `shape` [m].
+        Changes of the nodal forces for changes of the film thickness, shape (m, n_c, n_a) [m].
     shapes : Shapes
     shape : tuple of int
         Cells around and along.
@@ -229,10 +229,8 @@ def by_shapes(
     -------
     ndarray, shape (m, m)
     """
-    columns = []
-    for outward_shape in shapes.outward.T:
-        normal, _, circumferential = tangent(np.ascontiguousarray(outward_shape.reshape(shape)))
-        columns.append(shapes.push(normal, circumferential))
+    normal, _, circumferential = tangent(shapes.outward.T.reshape(-1, *shape))
+    columns = [shapes.push(*forces) for forces in zip(normal, circumferential)]
     return np.transpose(columns) - np.diag(shapes.stiffness)
 
 

@@ -15,8 +15,6 @@ from .state import Fields, Inputs, LastStep, Memory, Scalars
 from .step_tangent import Directions, Linearisation
 from .surroundings import Surroundings, surroundings
 
-NO_DIRECTION = np.zeros((0, 0, 0))
-
 
 class LubricationModel:
     """Transient film, asperity contact and friction between skirt and bore, or journal and shell.
@@ -150,7 +148,7 @@ class LubricationModel:
     def tangent(
         self,
         dfilm_thickness: Array,
-        dsliding_velocity: Array,
+        dsliding_velocity: Array | None = None,
         dcircumferential_velocity: Array | None = None,
     ) -> tuple[Array, ...]:
         """Return the change of the forces at the end of the last step for changed inputs there.
@@ -159,10 +157,10 @@ class LubricationModel:
 
         Parameters
         ----------
-        dfilm_thickness, dsliding_velocity : ndarray, shape (n_c, n_a) or (m, n_c, n_a)
-            [m], [m/s].
-        dcircumferential_velocity : ndarray, of the same shape, optional
-            Of a bearing [m/s]; 0 by default.
+        dfilm_thickness : ndarray, shape (n_c, n_a) or (m, n_c, n_a)
+            [m].
+        dsliding_velocity, dcircumferential_velocity : ndarray, of the same shape, optional
+            [m/s], the second of a bearing; 0 by default.
 
         Returns
         -------
@@ -183,12 +181,13 @@ class LubricationModel:
             )
         if self._linear is None:
             self._linear = step_tangent.linearise(self.fixed, last)
-        motions = (dfilm_thickness, dsliding_velocity, dcircumferential_velocity)
-        stacked = [self._on_grid(one) for one in motions if one is not None]
-        if len(stacked) < len(motions):
-            stacked.append(np.zeros_like(stacked[0]) if self._bearing else NO_DIRECTION)
-        directions = Directions(*stacked)
-        right = np.empty(directions.film.shape)
+        film = self._on_grid(dfilm_thickness)
+        still = np.zeros(film.shape)
+        velocities = (dsliding_velocity, dcircumferential_velocity)
+        directions = Directions(
+            film, *(still if one is None else self._on_grid(one) for one in velocities)
+        )
+        right = np.empty(film.shape)
         forces = np.empty((3 if self._bearing else 2, *right.shape))
         step_tangent.changes(self.fixed, last, self._linear, directions, self.solver, right, forces)
         shape = np.shape(dfilm_thickness)

@@ -139,7 +139,7 @@ def test_the_stiffness_of_a_journal_is_exact():
     ends = [[force(place + by * unit) for by in (small, -small)] for unit in np.eye(2)]
     differences = np.array([(low - high) / (2.0 * small) for high, low in ends]).T
     force(place)
-    found = stiffness(film.tangent, film.grid)
+    found = stiffness(film.model.tangent, film.grid)
     # round-off of forces of 1 kN, 1e-12 of them, over the difference
     assert np.abs(found - differences).max() <= 1e-4 * np.abs(differences).max()
 
@@ -222,7 +222,7 @@ def test_shells_follow_a_journal_that_is_damped():
     rates = []
     for s in (1e-2, 1e-1):
         film.step(outputs["film_thickness"], 1.0 / s, **around)
-        whole = -by_shapes(film.tangent, shapes, film.grid)
+        whole = -by_shapes(film.model.tangent, shapes, film.grid)
         rates.append(np.linalg.inv(np.linalg.inv(whole)[:2, :2]))
     damping = (rates[1] - rates[0]) / 0.09
     rigid = film.equilibrium((0.0, -500.0), 25e-6, **around)["damping"]

@@ -512,7 +512,7 @@ class Rotor:
         """-dF/dx of the step just taken, shape (2, 2) [N/m]."""
 
         def by_pressure(thinner):
-            normal, *_ = self.model.tangent(thinner, self.still)
+            normal, *_ = self.model.tangent(thinner)
             return normal, None, 0.0 * normal
 
         return journals.stiffness(by_pressure, self.still.shape)
