@@ -51,14 +51,12 @@ from .dynamics.model import MOTION
 from .dynamics.model_faults import body_faults
 from .dynamics.parameters import Parameters, Settings, settings_of
 from .dynamics.pin_outputs import PIN_NAMES
-from .dynamics.response import StepEnd
+from .dynamics.response import FIELDS, StepEnd, StepInputs
 from .dynamics.state import PistonState, problem_of, step_coefficients
 from .dynamics.step import (
-    FIELDS,
     GAS,
     START_PASSES,
     BodyModel,
-    StepInputs,
     at_rest,
     coordinate_change,
     coordinates_of,

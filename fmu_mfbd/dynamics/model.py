@@ -23,12 +23,11 @@ from .half_films import check_even, check_half, is_half
 from .instant import Instant, of_bearings, slides_at
 from .parameters import REFERENCE, Damping
 from .pin_outputs import PIN_NAMES
-from .response import Response
+from .response import Response, StepInputs
 from .state import PistonState, problem_of, step_coefficients
 from .step import (
     START_PASSES,
     BodyModel,
-    StepInputs,
     StepResult,
     at_rest,
     coordinates_of,

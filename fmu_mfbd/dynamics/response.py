@@ -24,6 +24,7 @@ from .instant import of_skirt
 from .pin_films import applied_forces, film_pushes, pin_changes
 from .skirt_films import FilmChange, forces_by_film, skirt_changes, skirt_slopes, total_forces
 from .system import BodySystem, RingForce
+from .thermal_growth import FieldInputs
 
 
 class StepEnd(NamedTuple):
@@ -45,6 +46,44 @@ class StepEnd(NamedTuple):
     now: Motion
     crank: CrankMotion
     linear: Linearisation
+
+
+class StepInputs(NamedTuple):
+    """Inputs at the end of a step, or seeds of a derivative.
+
+    Parameters
+    ----------
+    crank_speed, load_torque : float
+        [rad/s], [N m].
+    gas_pressure, crankcase_pressure, land_pressure : float
+        Gauge pressures on the crown, below the piston and between the rings [Pa].
+    skirt, pins : NodalForces, PinForces
+        Of all films, stacked [N].
+    rings : RingForce
+    carrier : Carrier
+        Motion of a mounted block.
+    piston_temperature, bore_temperature : float
+        [K]
+    fields : FieldInputs
+        Temperatures of the walls.
+    """
+
+    crank_speed: float
+    load_torque: float
+    gas_pressure: float
+    crankcase_pressure: float
+    land_pressure: float
+    skirt: NodalForces
+    pins: PinForces
+    rings: RingForce
+    carrier: Carrier
+    piston_temperature: float
+    bore_temperature: float
+    fields: FieldInputs
+
+
+FIELDS = ("skirt", "pins", "rings", "carrier", "fields")
+"""Members of `StepInputs` that are not numbers."""
 
 
 class Response(NamedTuple):
@@ -126,9 +165,7 @@ class MovedFilms(NamedTuple):
 def pushed_motion(
     of: BodySystem,
     last: StepEnd,
-    skirt_forces: NodalForces,
-    rings: RingForce,
-    forces: PinForces,
+    seeds: StepInputs,
     carrier: Carrier,
     is_exact: bool,
 ) -> PushedMotion:
@@ -140,18 +177,18 @@ def pushed_motion(
     ----------
     of : BodySystem
     last : StepEnd
-    skirt_forces, rings, forces, carrier
-        Directions; nodal forces stacked [N].
+    seeds, carrier : StepInputs, Carrier
+        Directions of forces and of the block's motion.
     is_exact : bool
         Else modes do not slide along the skirt's films and are not coupled (Eq. (D4)), as in
         products of an iteration whose fixed point does not depend on them.
     """
     chain, own = of.chain, last.linear
-    skirt = total_forces(forces_by_film(of, last.guide_height, skirt_forces, is_exact))
-    change = load_change(of, skirt, rings)
+    skirt = total_forces(forces_by_film(of, last.guide_height, seeds.skirt, is_exact))
+    change = load_change(of, skirt, seeds.rings)
     at, block = own.forces.motion, own.forces.inertia.carrier
     by = reach_of(last.coefficients, of.kinds)
-    applied = applied_forces(of, change, forces, film_pushes(of, forces))
+    applied = applied_forces(of, change, seeds.pins, film_pushes(of, seeds.pins))
     loads = loads_at(chain, applied, at, last.now)
     pushed = pushed_forces(chain, own.forces, last.now, loads, carrier)
     # Eq. (D23)
@@ -191,9 +228,7 @@ def moved_films(
 def response(
     of: BodySystem,
     last: StepEnd,
-    skirt_forces: NodalForces,
-    rings: RingForce,
-    forces: PinForces,
+    seeds: StepInputs,
     carrier: Carrier,
     lever: float,
 ) -> Response:
@@ -205,8 +240,8 @@ def response(
     ----------
     of : BodySystem
     last : StepEnd
-    skirt_forces, rings, forces, carrier
-        Directions; nodal forces stacked [N].
+    seeds, carrier : StepInputs, Carrier
+        Directions of forces and of the block's motion.
     lever : float
         dY_0/dphi of Eq. (D70), 0 if nobody reads the moment on the block [m].
 
@@ -215,7 +250,7 @@ def response(
     Response
     """
     own, chain = last.linear, of.chain
-    pushed = pushed_motion(of, last, skirt_forces, rings, forces, carrier, True)
+    pushed = pushed_motion(of, last, seeds, carrier, True)
     films = moved_films(of, last, pushed.acceleration, True)
     on_block = own.on_block @ pushed.acceleration
     for k in range(len(on_block)):
@@ -226,7 +261,7 @@ def response(
         from_walls = from_block_changes(chain.elements, own.law_slopes, at, films.bodies)
     if lever != 0.0:
         first = RIGID + len(of.gas_force)
-        slopes = skirt_slopes(of, last.guide_height, skirt_forces.pressure)
+        slopes = skirt_slopes(of, last.guide_height, seeds.skirt.pressure)
         pushed_along = slopes.undeformed + slopes.modal @ of_skirt(of, last.now.position)[first:]
         on_block[TURN] -= lever * pushed_along  # Eq. (D70)
         from_walls[Y] += pushed_along

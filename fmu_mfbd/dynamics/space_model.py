@@ -37,7 +37,7 @@ from .motion_in_space import (
     tangent,
     with_pin,
 )
-from .response import Response, load_change
+from .response import Response, StepInputs, load_change
 from .skirt_films import (
     AxialMotion,
     FilmParts,
@@ -48,7 +48,7 @@ from .skirt_films import (
     total_forces,
     window_of,
 )
-from .step import StepInputs, StepResult
+from .step import StepResult
 from .system import StepProblem
 
 PASSES = 60

@@ -6,10 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from ..geometry.film import NodalForces
-from ..geometry.pin import PinForces
 from ..mechanism.bdf2 import predicted_of, reach_of
-from ..mechanism.carrier import FIXED, Carrier, carrier_from
+from ..mechanism.carrier import FIXED, carrier_from
 from ..mechanism.cylinder import piston_of
 from ..mechanism.derivative import drive_inertia
 from ..mechanism.floating_frame import TURN, Y
@@ -24,7 +22,15 @@ from .gas_on_bore import WallPressures
 from .instant import Instant, end_of_step, load_of, of_skirt
 from .parameters import GAS_SOURCES, Settings
 from .pin_films import applied_forces, damp_modes, film_pushes, pin_films
-from .response import MovedFilms, Response, StepEnd, moved_films, pushed_motion, response
+from .response import (
+    MovedFilms,
+    Response,
+    StepEnd,
+    StepInputs,
+    moved_films,
+    pushed_motion,
+    response,
+)
 from .skirt_films import (
     AxialMotion,
     FilmChange,
@@ -35,11 +41,10 @@ from .skirt_films import (
 )
 from .speed_table import SpeedTable, crank_motion
 from .state import PistonState, state_at
-from .system import BodySystem, OtherForces, RingForce, StepProblem, rigid_piston, skirt_modes
+from .system import BodySystem, OtherForces, StepProblem, rigid_piston, skirt_modes
 from .tables import GasTable, gas_pressure
 from .thermal_growth import (
     ColdWalls,
-    FieldInputs,
     Radii,
     field_growth,
     field_work,
@@ -84,44 +89,6 @@ class BodyModel(NamedTuple):
     mounted: bool
     radii: Radii
     cold: ColdWalls
-
-
-class StepInputs(NamedTuple):
-    """Inputs at the end of a step, or seeds of a derivative.
-
-    Parameters
-    ----------
-    crank_speed, load_torque : float
-        [rad/s], [N m].
-    gas_pressure, crankcase_pressure, land_pressure : float
-        Gauge pressures on the crown, below the piston and between the rings [Pa].
-    skirt, pins : NodalForces, PinForces
-        Of all films, stacked [N].
-    rings : RingForce
-    carrier : Carrier
-        Motion of a mounted block.
-    piston_temperature, bore_temperature : float
-        [K]
-    fields : FieldInputs
-        Temperatures of the walls.
-    """
-
-    crank_speed: float
-    load_torque: float
-    gas_pressure: float
-    crankcase_pressure: float
-    land_pressure: float
-    skirt: NodalForces
-    pins: PinForces
-    rings: RingForce
-    carrier: Carrier
-    piston_temperature: float
-    bore_temperature: float
-    fields: FieldInputs
-
-
-FIELDS = ("skirt", "pins", "rings", "carrier", "fields")
-"""Members of `StepInputs` that are not numbers."""
 
 
 class StepResult(NamedTuple):
@@ -403,9 +370,8 @@ def response_to(
     model: BodyModel, last: StepEnd, seeds: StepInputs, carried: np.ndarray
 ) -> Response:
     """Return the change at the end of a step with forces and the block's motion (4,)."""
-    carrier = carrier_from(carried)
     lever = _lever(model, last.crank)
-    return response(model.parts, last, seeds.skirt, seeds.rings, seeds.pins, carrier, lever)
+    return response(model.parts, last, seeds, carrier_from(carried), lever)
 
 
 @compilable
@@ -413,8 +379,7 @@ def coordinate_change(
     model: BodyModel, last: StepEnd, seeds: StepInputs, is_exact: bool
 ) -> np.ndarray:
     """Return the change of all coordinates at the end of a step with forces there."""
-    forces = seeds.skirt, seeds.rings, seeds.pins
-    pushed = pushed_motion(model.parts, last, *forces, FIXED, is_exact)
+    pushed = pushed_motion(model.parts, last, seeds, FIXED, is_exact)
     return reach_of(last.coefficients, model.parts.kinds).position * pushed.acceleration
 
 
@@ -466,7 +431,7 @@ def films_at(
     inputs: StepInputs,
     position: np.ndarray,
 ) -> PlacedFilms:
-    """Return all films at coordinates at the end of a step, without its forces.
+    """Return all films at coordinates at the end of a step.
 
     Parameters
     ----------
@@ -478,7 +443,7 @@ def films_at(
     crank : CrankMotion
         At its end.
     inputs : StepInputs
-        Of which the temperatures count.
+        Their temperatures open the films. Their forces have no effect.
     position : ndarray, shape (n,)
         Coordinates.
     """
@@ -492,17 +457,14 @@ def films_at(
     at = chain_motion(of.chain.joints, end, crank)
     upright = height(of.mechanism, 0.0, crank.angle)
     guide = AxialMotion(upright.height, upright.lever * crank.speed)
-    none = NodalForces(np.zeros(len(inputs.skirt.pressure)), np.zeros(len(inputs.skirt.pressure)))
-    cells = len(inputs.pins.pressure)
-    no_pins = PinForces(np.zeros(cells), np.zeros(cells))
-    parts = forces_by_film(of, guide.height, none)
+    parts = forces_by_film(of, guide.height, inputs.skirt)
     rising = at.velocity[piston_of(of.chain), Y]
     place, speed = of_skirt(of, end.position), of_skirt(of, end.velocity)
-    skirt = skirt_films(of, guide, none, parts, rising, place, speed)
-    pushes = film_pushes(of, no_pins)
+    skirt = skirt_films(of, guide, inputs.skirt, parts, rising, place, speed)
+    pushes = film_pushes(of, inputs.pins)
     load = load_of(of, total_forces(parts), others_at(model, inputs, crank))
-    loads = loads_at(of.chain, applied_forces(of, load, no_pins, pushes), at, end)
-    pins = pin_films(of, no_pins, pushes, loads, at, end)
+    loads = loads_at(of.chain, applied_forces(of, load, inputs.pins, pushes), at, end)
+    pins = pin_films(of, inputs.pins, pushes, loads, at, end)
     opening = warmth_at(model, before, inputs, guide.height).opening
     return PlacedFilms(
         FilmChange(skirt.film_thickness + opening, skirt.sliding_velocity),
