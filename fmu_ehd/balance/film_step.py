@@ -229,16 +229,14 @@ def full_cells(
         unknown = solution(solver, stencil, right)
         singly = iteration >= domain.together
         found = cavitation.switch(full, unknown, domain.open_cells, model.conserving, singly)
+        iteration += 1
         if found.switched < 0:
             refuse(faults, FAULT.not_finite, found.i, found.j, 0.0, 0.0, 0.0)
-            return FullCells(unknown, full, iteration + 1, stencil)
-        if found.switched == 0 or not equations.follows_pattern:  # Eq. (C1)
-            return FullCells(unknown, full, iteration + 1, stencil)
-        iteration += 1
-        if iteration == cavitation.LIMIT:
+        elif found.switched > 0 and equations.follows_pattern and iteration == cavitation.LIMIT:
             u = unknown[found.i, found.j]
             most = float(cavitation.LIMIT)
             refuse(faults, FAULT.still_switching, found.i, found.j, most, float(found.switched), u)
+        if found.switched <= 0 or not equations.follows_pattern or faults[0] > 0.0:  # Eq. (C1)
             return FullCells(unknown, full, iteration, stencil)
         lowest = found.lowest
         highest = found.highest
@@ -253,9 +251,7 @@ def newton_matrix(equations: Equations, unknown: Array, full: Flags):
     everywhere = np.full(full.shape, True)
     stencil, _ = reynolds.assemble(everywhere, faces, lift, storage, edges, domain.cells)
     by_fraction, right = reynolds.assemble(~everywhere, faces, lift, storage, edges, domain.cells)
-    cavitation.weigh_columns(stencil, of_pressure)
-    cavitation.weigh_columns(by_fraction, of_fraction)
-    stencil += by_fraction
+    cavitation.add_weighted(stencil, of_pressure, by_fraction, of_fraction)
     if domain.has_openings:
         reynolds.hold(domain.open_cells, 0.0, stencil, right)
     return stencil
@@ -299,7 +295,7 @@ def rounded_cells(
         if iteration == cavitation.MOST_ROUNDED or not np.isfinite(bend):
             refuse(faults, FAULT.rounding_not_found, i, j, float(iteration), bend, 0.0)
             break
-    full = cavitation.signs(unknown, full, domain.open_cells)
+    full = (full & domain.open_cells) | ((unknown > 0.0) & ~domain.open_cells)
     return FullCells(unknown, full, sharp.iterations + iteration, stencil)
 
 

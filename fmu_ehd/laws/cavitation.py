@@ -159,28 +159,18 @@ def rounding_start(unknown: Array, full: Flags, fixed: Flags):
 
 
 @compiled
-def signs(unknown: Array, full: Flags, fixed: Flags):
-    """Return where u > 0, in `fixed` cells `full`."""
-    above = full.copy()
-    for i in range(full.shape[0]):
-        for j in range(full.shape[1]):
-            if not fixed[i, j]:
-                above[i, j] = unknown[i, j] > 0.0
-    return above
+def add_weighted(stencil: Array, share: Array, other: Array, other_share: Array):
+    """Multiply the column of each cell in two stencils by its share, and sum into the first one.
 
-
-@compiled
-def weigh_columns(stencil: Array, share: Array):
-    """Multiply the column of each cell in a stencil, shape (5, n_c, n_a), by its share; in place.
-
-    A share has the shape (n_c, n_a).
+    Stencils have the shape (5, n_c, n_a), shares (n_c, n_a).
     """
     _, n_c, n_a = stencil.shape
     for k in range(5):
         for i in range(n_c):
             for j in range(n_a):
                 a, b = neighbour(k, i, j, n_c, n_a)
-                stencil[k, i, j] *= share[a, b]
+                of_other = other[k, i, j] * other_share[a, b]
+                stencil[k, i, j] = stencil[k, i, j] * share[a, b] + of_other
 
 
 @compiled
