@@ -26,7 +26,6 @@ Stencil = Annotated[Array, "5, n_c, n_a"]
 
 # axis of the edges: both ends of the skirt, the two sides of a grid that is no ring, openings
 LOWER, UPPER, FIRST, LAST, OPENINGS = range(5)
-BOTH_AXIAL_EDGES = slice(LOWER, UPPER + 1)
 
 # axis of a stencil, shape (5, n_c, n_a): coefficient of the cell itself and of its neighbours
 # j - 1 (south), j + 1 (north), i - 1 (west), i + 1 (east)

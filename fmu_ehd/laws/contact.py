@@ -240,15 +240,16 @@ def contact(
     energy = np.zeros((n_c, n_a))
     slope = np.zeros((5, n_c, n_a))
     stress_slope = np.zeros((5, n_c, n_a))
+    of_cells = Contact(
+        pressure=pressure,
+        area_fraction=area,
+        shear_stress=stress,
+        pressure_slope=slope,
+        shear_stress_slope=stress_slope,
+        energy=energy,
+    )
     if constants.roughness_rms <= 0.0:
-        return Contact(
-            pressure=pressure,
-            area_fraction=area,
-            shear_stress=stress,
-            pressure_slope=slope,
-            shear_stress_slope=stress_slope,
-            energy=energy,
-        )
+        return of_cells
     reach = constants.summit_height + TABLE_END * constants.roughness_rms
     higher = np.zeros(5)  # by how much the neighbours' gap is wider
     step = np.zeros(5)  # weights of the steps to the neighbours
@@ -298,14 +299,7 @@ def contact(
                 each[WEST, 0, j] = 0.0
                 each[WEST, n_c - 1, j] += each[EAST, n_c - 1, j]
                 each[EAST, n_c - 1, j] = 0.0
-    return Contact(
-        pressure=pressure,
-        area_fraction=area,
-        shear_stress=stress,
-        pressure_slope=slope,
-        shear_stress_slope=stress_slope,
-        energy=energy,
-    )
+    return of_cells
 
 
 @compiled

@@ -278,13 +278,6 @@ def mean_inverse_gap(separation: float):
 
 
 @compiled
-def shear_stress_factor(separation: float):
-    """Factor phi_f of the mean Couette stress, Eq. (R4), for Lambda >= 0."""
-    inverse = mean_inverse_gap(separation)
-    return Factor(separation * inverse.value, inverse.value + separation * inverse.slope)
-
-
-@compiled
 def sheared_gap(separation: float):
     """Harmonic mean of the local films that are left, over sigma, Eq. (R9)."""
     h = max(separation, LEAST_SHARED)

@@ -511,7 +511,7 @@ def roughness_checks() -> Checks:
     case = "Patir-Cheng"
     known = (0.5, 0.9070), (1.0, 1.6366), (2.0, 1.7460), (3.0, 1.1666), (6.0, 1.0299)
     rows = [
-        (f"phi_f({h:g})", roughness.shear_stress_factor(h).value, reference, 1e-4)
+        (f"phi_f({h:g})", h * roughness.mean_inverse_gap(h).value, reference, 1e-4)
         for h, reference in known
     ]
     yield from compared(case, rows, QUADRATURE, "four printed decimals", "absolute")
@@ -527,7 +527,7 @@ def roughness_checks() -> Checks:
     table = roughness.factor_table(1.0, 1.0, 1.0)
     rough, _ = rough_film(np.array([[2.0]]), np.ones((1, 1)), FLOOR, 1.0, table)
     flow = roughness.pressure_flow_factor(2.0, 1.0).value
-    shear = roughness.shear_stress_factor(2.0).value
+    shear = 2.0 * roughness.mean_inverse_gap(2.0).value
     shear += roughness.sliding_stress_factor(2.0, 1.0).value
     rows = [
         ("average gap", rough[STORED].item(), roughness.average_gap(2.0).value, 1e-9),
