@@ -1,12 +1,15 @@
-"""Impact: what the time integrator may remember of a step in which the motion was stopped.
+"""Impact: limits of the velocity and acceleration that a stopped motion passes to the next step.
 
-A linear method of order 2 puts the end velocity at 2 (mean velocity) - (start velocity) or nearly
-so, and carries the acceleration on: a film that stops a piston within one step sends it back, and
-the memory drives it on. Generalised-alpha with spectral radius 0.6 returns up to 2.5 times the
-velocity, any other one up to 0.9 times (radius 0) and more; a mass pushed onto the film bounces
-for ever. As with shocks in gases, the cure cannot be linear: where a step is an impact, its end
-velocity is the mean one, as backward Euler's, and the memory is bounded. Elsewhere nothing changes.
-Taking too much for an impact costs accuracy: a mean velocity is half a step late.
+A linear method of order 2 has an end velocity of about 2 (mean velocity) - (start velocity), and
+keeps the acceleration for the next step. If a film stops a piston within one step, such a method
+therefore sends the piston back, and the remembered acceleration drives it further.
+Generalised-alpha returns up to 2.5 times the velocity with a spectral radius of 0.6, and at least
+up to 0.9 times, with radius 0. A mass that is pressed onto the film would bounce for ever.
+
+As for shocks in gases, a linear method cannot avoid this. In a step that is an impact, the end
+velocity is the mean velocity, as in backward Euler, and the remembered acceleration is bounded.
+Other steps do not change. A step that is taken for an impact by mistake is less accurate, because
+a mean velocity is half a step late.
 """
 
 from typing import NamedTuple
@@ -18,26 +21,28 @@ from .generalised_alpha import Motion
 from .piston_motion import RIGID
 
 IMPACT = 0.25
-"""A step is an impact if the change of acceleration over it is worth more than this share of the
-larger velocity at its ends. A mass on a film bounces from 0.5 on; in smooth motion the share falls
-with the square of the step.
+"""Least change of acceleration in an impact, times the step, over the larger velocity at both ends.
+
+A mass on a film bounces from 0.5 on. In smooth motion the share falls with the square of the step.
 """
 
 SUDDEN = 0.5
-"""... and more than this share of the acceleration before: a stop that several steps resolve grows
-from one to the next, and is left to the integrator.
+"""Least change of acceleration in an impact, over the acceleration before.
+
+A stop that several steps resolve grows from step to step, and the integrator handles it.
 """
 
 GROWING = 0.25
-"""A step is repeated in parts from a smaller share on: a stop may build up over two steps."""
+"""As `SUDDEN`, for the repetition of a step in parts: a stop may build up over two steps."""
 
 KEPT = 0.5
-"""Velocity that the remembered acceleration may be worth over one step, by the velocity left: a
-memory worth all of it turns the motion round.
+"""Largest remembered acceleration, times the step, over the end velocity.
+
+At 1, the next step would reverse the motion.
 """
 
 UNLIMITED = 1e3
-"""Longest step of a motion that any step resolves [s]."""
+"""Result of `longest_step` for a motion that any step resolves [s]."""
 
 
 class Inertia(NamedTuple):
@@ -68,7 +73,7 @@ def inertia_product(inertia: Inertia, a: np.ndarray, b: np.ndarray) -> float:
     ----------
     inertia : Inertia
     a, b : ndarray, shape (n,)
-        Of x_A and the rocking angle; what follows is not looked at.
+        Of x_A and the rocking angle; further elements are ignored.
 
     Returns
     -------
@@ -90,9 +95,9 @@ def longest_step(
 ) -> float:
     """Return the longest step that resolves the motion, before `limit_memory` changes its end [s].
 
-    A result below h asks for a repetition of the step in parts: the force changes too much within
-    it. Otherwise it is the limit of the next step. In a longer one, the remembered acceleration
-    would turn the motion round.
+    If the result is below h, the force changes too much within the step, and the step must be
+    repeated in parts. Otherwise the result is the limit of the next step. In a longer one, the
+    remembered acceleration would reverse the motion.
 
     Eq. (N12):  unresolved:  h |q''_1 - q''_0| > max(V, h |q''_0|/4, r/h),
                              q'_0 . M q''_1 < 0  and  q'_0 . M (q_1 - q_0) > 0
@@ -159,9 +164,9 @@ def limit_memory(
                then     q'_1 = (q_1 - q_0)/h,  a_1 = q''_1 = q''_1 min(1, |q'_1|/(2 h |q''_1|))
                norms |q| by the inertia M (Eq. (N6))
 
-    Both coordinates of the rigid motion are limited together: an impact has one direction. Modes
-    are left alone: what stops them is their own spring, which does give back what it took, and
-    what the step cannot resolve of them the spectral radius damps.
+    Both coordinates of the rigid motion are limited together, because an impact has one direction.
+    Modes are not limited. Their own springs stop them and return the energy, and the spectral
+    radius damps the part that the step cannot resolve.
 
     Parameters
     ----------
@@ -193,7 +198,7 @@ def limit_memory(
     least = max(IMPACT**2 * max(began, ended), SUDDEN**2 * steady)
     if inertia_product(inertia, jump, jump) <= least:
         return False
-    # what has turned round within the step was driven back, by something else than a film
+    # a motion that reversed within the step was driven back by another force than a film
     if inertia_product(inertia, before.velocity, mean) <= 0.0:
         return False
     # Eq. (N7)

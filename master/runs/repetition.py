@@ -57,7 +57,7 @@ class Repetition:
         d of each period [-].
     furthest : (participant, variable)
         Field with the largest distance in the last period.
-    apart : dict of (participant, variable) to float
+    distance_of : dict of (participant, variable) to float
         Distance of each field over the last period [-].
     """
 

@@ -3,12 +3,12 @@
 Eq. (U17):  m x'' = W + m_u r_u w^2 (cos w t, sin w t) + F,   by the trapezoidal rule
 Eq. (U18):  F = sum of pressure force (-cos a, -sin a) + circumferential force (-sin a, cos a)
 Eq. (U19):  h = C - x cos a - y sin a + u
-Eq. (U33):  M = .. + sum p du/da      moment on the shaft, by central differences around
+Eq. (U33):  M = sum p du/da      moment of the pressure by the slope of the shell
 
 u is the deflection of an elastic shell, an input if the build option `shell` is true. x is to
 the right, y upwards, from the axis of the shell. a is the angle of a cell around the shell from
-x, a = 2 pi i / n, i = 0 .. n - 1. The shaft stays parallel to the shell, and its speed is
-constant.
+x, a = 2 pi i / n, i = 0 .. n - 1. du/da is a central difference. The shaft stays parallel to the
+shell, and its speed is constant.
 """
 
 from dataclasses import dataclass
@@ -33,11 +33,11 @@ STRAIGHT = np.zeros(GRID)  # deflection of a rigid shell
 class ShaftState:
     """State of the shaft.
 
-    place, velocity, force : ndarray, shape (2,) [m], [m/s], sum of all forces [N]; step : length
-    of the last one [s].
+    position, velocity, force : ndarray, shape (2,) [m], [m/s], sum of all forces [N];
+    step : length of the last step [s].
     """
 
-    place: np.ndarray
+    position: np.ndarray
     velocity: np.ndarray
     force: np.ndarray
     step: float
@@ -78,18 +78,18 @@ class Shaft(FieldSlave):
         ]
 
     def start(self, values):
-        place = np.array([values["start_x"], values["start_y"]])
-        state = ShaftState(place, np.zeros(2), self._load(values, 0.0), 0.0)
+        position = np.array([values["start_x"], values["start_y"]])
+        state = ShaftState(position, np.zeros(2), self._load(values, 0.0), 0.0)
         return state, self._shown(state, values)
 
     def advance(self, state, values, time, step):
         force = self._film(values) + self._load(values, time + step)
         change = 0.5 * step * (state.force + force) / values["mass"]  # Eq. (U17)
         velocity = state.velocity + change
-        place = state.place + 0.5 * step * (state.velocity + velocity)
-        if np.hypot(*place) > 5.0 * values["clearance"]:
-            raise Discard(f"the shaft left its bearing: x, y = {place} m at {time + step:g} s")
-        state = ShaftState(place, velocity, force, step)
+        position = state.position + 0.5 * step * (state.velocity + velocity)
+        if np.hypot(*position) > 5.0 * values["clearance"]:
+            raise Discard(f"the shaft left its bearing: x, y = {position} m at {time + step:g} s")
+        state = ShaftState(position, velocity, force, step)
         return state, self._shown(state, values)
 
     def directional_derivative(self, seeds):
@@ -110,16 +110,16 @@ class Shaft(FieldSlave):
         return down + thrown * np.array([np.cos(turned), np.sin(turned)])
 
     def _shown(self, state, values):
-        x, y = state.place
+        x, y = state.position
         horizontal, vertical = force = self._film(values)
-        # about the axis of the shaft: circumferential forces minus the moment of the film's force
+        # about the axis of the shaft: moment about the axis of the shell less that of the force
         around = values["radius"] * values["nodal_circumferential_force"].sum()
         opened = values.get(SHELL, STRAIGHT)
         slope = (np.roll(opened, -1, axis=0) - np.roll(opened, 1, axis=0)) / (2.0 * ANGLE[1])
         # Eq. (U33)
         slanted = np.sum(values["nodal_pressure_force"] * slope)
         moment = around - (x * vertical - y * horizontal) + slanted
-        film = values["clearance"] - (state.place @ OUTWARD)[:, None] + opened  # Eq. (U19)
+        film = values["clearance"] - (state.position @ OUTWARD)[:, None] + opened  # Eq. (U19)
         return dict(
             film_thickness=film,
             circumferential_velocity=np.full(GRID, values["radius"] * values["speed"]),
