@@ -1,71 +1,72 @@
-"""Oil on the bore: a layer that stays where it is, which the skirt leaves behind and meets again.
+"""Oil on the bore: a layer at rest on the bore, which the skirt uncovers and covers again.
 
-Oil on the bore moves with it, at |V| past the skirt; a film filled to f moves at |V|/2. So a layer
-of thickness lambda fills a gap h to f = min(1, 2 lambda / h), and a film that leaves the skirt with
-f leaves lambda = f h / 2 behind: half of the gap where it is full. What the gap does not take is
-pushed along before the edge, in a reservoir at its chamfer, and goes in later. In terms of volumes,
-for each row of the film and each of its axial edges:
+Oil on the bore moves with it, at |V| past the skirt. A film with the film fraction f moves at
+|V|/2. A layer of thickness lambda therefore fills a gap h to f = min(1, 2 lambda / h). A film that
+leaves the skirt with f leaves a layer lambda = f h / 2 behind, half of the gap if it is full. The
+edge pushes the oil that the gap does not take, in a reservoir at its chamfer. This oil enters
+later. In volumes, for each row of the film and each of its axial edges:
 
-Eq. (T21):  R_e <- R_e + (oil of the bore that the skirt has come to cover)
+Eq. (T21):  R_e <- R_e + (oil of the bore that the skirt has covered)
 Eq. (T22):  S = max(R_e - beta_t F_n, 0) / H_e
 Eq. (T23):  R_e <- R_e - F
 Eq. (T24):  (oil of the bore that the skirt has uncovered) = min(R_e, w |X| h),  R_e <- R_e - that
 Eq. (T25):  R_e <- min(R_e, a w)
 
-R_e oil in the reservoir, S the most that sliding drags in, Eq. (E12), F = beta_t F_n + H_e q volume
-that came into the film over the edge in the step, and F_n in the step before, `storage`; w width of
-the row, X travel of the skirt in the step, h gap at the edge, a the cross-section of oil that an
-edge can push along; what is more falls off. Where supply ends R_e is for a step negative, by at
-most a third of the inflow of the last one: what the storage term still lets in.
+R_e is the oil in the reservoir, and S the most that sliding drags in, Eq. (E12).
+F = beta_t F_n + H_e q is the volume that came into the film over the edge in the step, and F_n that
+of the step before, `storage`. w is the width of the row, X the travel of the skirt in the step, and
+h the gap at the edge. a is the largest cross-section of oil that an edge can push, and more oil
+falls off. Where the supply ends, R_e is negative for a step, by at most a third of the inflow of
+the last step, because the storage term still admits this oil.
 
-Where the skirt is at the end of a step is known when the step begins, to second order in time:
+The position of the skirt at the end of a step is known at its beginning, to second order in time:
 
 Eq. (T26):  Y_{n+1} = Z_n + H V_n + H^2 (V_n - V_{n-1}) / (2 H_n)
            Z_{n+1} = Z_n + H (V_n + V_{n+1}) / 2
 
-Y height of the lower edge that the layer goes by, Z the same by the trapezoidal rule, both from
-where the skirt starts [m]; V mean sliding velocity of the skirt. So S is of the past alone, and in
-the tangent of the film a limited inflow is a constant.
+Y is the height of the lower edge that the layer uses, and Z the same by the trapezoidal rule, both
+from the start of the skirt [m]. V is the mean sliding velocity of the skirt. S depends on the past
+only. In the tangent of the film, a limited inflow is therefore a constant.
 
-Each row i of the grid around has edges of its own: a skirt may end higher or lower there, and every
-opening gives it two more. Through an opening the bore is bare; the skirt that follows takes up what
-lies there, as it does outside. What pressure drives into an opening around the circumference comes
-to lie on the bore under it:
+Each row i of the grid around has its own edges. A skirt may end higher or lower there, and every
+opening adds two edges. Under an opening the bore is bare, and the following part of the skirt
+collects the oil on it. Oil that pressure drives into an opening around the circumference remains on
+the bore under it:
 
 Eq. (T28):  W = beta_t W_n + H_e w,   (oil of the bore under the opening) <- that + W
 
-W volume that came into the opening in the step, W_n in the one before [m3], w the flow at its end
-[m3/s]; a cell of the opening stands over parts of two cells of the bore.
+W is the volume that came into the opening in the step, and W_n that of the step before [m3]. w is
+the flow at the end of the step [m3/s]. A cell of the opening is above parts of two cells of the
+bore.
 
-With an oil ring the bore above the grid carries what the ring leaves there, whatever the skirt
-left: the difference comes from or goes to the ring. Splash adds to the bore below the lowest edge
-of a row, until the layer is as thick as the wall holds (`largest_oil_layer`): what is thrown on a
-thicker one runs off. Both count as supplied, what falls off as the opposite, and what was put on
-the bore between two steps (a run may set the layer to where it would stay), so that
+With an oil ring, the bore above the grid carries the oil that the ring leaves, regardless of the
+skirt. The difference comes from or goes to the ring. Splash adds to the bore below the lowest edge
+of a row, until the layer is as thick as the wall holds (`largest_oil_layer`). Further splash runs
+off. Both count as supplied, and oil that falls off counts as negative supply. A run may set the
+layer between two steps, which also counts as supplied. The following sum is constant to round-off:
 
 Eq. (T27):  oil in the film + on the bore + in the reservoirs - supplied
 
-does not change but for round-off. Within a cell of the bore (as long as one of the film) the layer
-is even.
+Within a cell of the bore, which is as long as one of the film, the layer is uniform.
 
-Arrays: n_b cells along the bore, from `stroke` below the start of the skirt to `stroke` above it;
-n_e edges of a row from below, so lower and upper ones in turns (2 without openings). A row with
-fewer edges than others has the rest above everything, where nothing happens.
+Arrays have n_b cells along the bore, from `stroke` below the start of the skirt to `stroke` above
+it. They have n_e edges of a row from below, so that lower and upper ones alternate (2 without
+openings). A row with fewer edges has the others above everything, where they have no effect.
 
-What a wall holds: a film lambda thick drains by its weight with q = rho g lambda^3 / (3 mu) a width
-[Nusselt1916]; q carries off a splash s over a length l of wall where
+A film of thickness lambda on a wall drains by its weight with q = rho g lambda^3 / (3 mu) per width
+[Nusselt1916]. Over a length l of wall, q carries off a splash s with the thickness
 
     lambda = (3 mu s l / (rho g))^(1/3)
 
-0.30 mm for 5.6 mPa s, 850 kg/m3 and 0.1 mm/s over 0.14 m, the default. The draining itself is left
-out: in a cycle at 1680 rpm (71 ms) it moves such a film by 3 mm, one of 10 um by 4 um.
+The default is 0.30 mm, for 5.6 mPa s, 850 kg/m3 and 0.1 mm/s over 0.14 m. The draining itself is
+neglected: in a cycle at 1680 rpm (71 ms) it moves such a film by 3 mm, and one of 10 um by 4 um.
 
 References
 ----------
 [Nusselt1916] W. Nusselt, Z. VDI 60 (1916) 541.
 [Ma1997] M.-T. Ma, I. Sherrington, E. H. Smith, Analysis of lubrication and friction for a complete
 piston-ring pack with an improved oil availability model, part 1, Proc. IMechE J 211 (1997) 1-15
-(rings that live on the layer they meet, and oil that gathers before them).
+(rings fed by the layer on the bore, and oil that gathers before them).
 """
 
 from typing import Annotated, NamedTuple
@@ -77,7 +78,7 @@ from ..common.faults import FAULT, refuse
 from ..common.grid import Array, Cells, Field, Flags, add, images, in_plenty, put, sum_of_products
 
 NO_EDGE = -1.0
-BARE_AT_LEAST = 1e-300  # share of a cell in place of none, to divide by
+BARE_AT_LEAST = 1e-300  # share of a cell that replaces 0 in a divisor
 
 
 class OilLayer(NamedTuple):

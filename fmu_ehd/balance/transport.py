@@ -22,10 +22,10 @@ order where m is smooth [Koren1993]; the two others keep m at the face between i
 the oil of an explicit step positive and without new extremes. By Eq. (T14) the lift fades where the
 film gets full. Pressure determines the flow out of a full cell, which has no lift, and no lift may
 appear when a cell fills or empties. Film quantities are those expected in the middle of the step,
-for f* those at its end. `gain` is the content that came in circumferentially in the last step. A
-face next to a full cell passes what it passed in the last step.
+for f* those at its end. `gain` is the content that came in circumferentially in the last step. The
+flow through a face next to a full cell is that of the last step.
 
-At an edge or opening that oil leaves over there is no cell behind, and two cells before it give m:
+At an edge or opening through which oil leaves, there is no cell behind. Two cells before it give m:
 
 Eq. (T17):  m = 2 m_up - m_before,   not below 0, not above h_U
 
@@ -40,25 +40,26 @@ pressure at the centre of the cell of the front, so it needs f = f_z + (1 - f_z)
 cell holds f_in + (1 - f_in) a, and Eq. (T16) is the difference. Its last term is at most
 3 (1 - f_in) / 4. l is at least -f_in, and takes no more oil than the cell holds and gets. f_z comes
 from the flow behind the first full cell in the last step. If the cell of the front fills in the
-step to come, the front goes on to the cell before it.
+next step, the front moves to the cell before it.
 
 Travel of the last step and of this one:
 
 Eq. (T15):  X_n = beta_t X_{n-1} + H_e U,   X = X_n H / H_n
 
-The lift depends on the past alone. So the flow remains a linear function of the unknown with the
-same coefficients, matrix and cavitation are those without a lift, a repeated step has the same
-bits, and l is a constant in the tangent. The flow through a face is the same for both cells, so
-oil is conserved to round-off. A steady film remains steady with any step, since F is then X times
-a flow that does not depend on the step.
+The lift depends on the past only. The flow therefore remains a linear function of the unknown with
+the same coefficients, and matrix and cavitation are those without a lift. A repeated step has the
+same bits, and l is a constant in the tangent. The flow through a face is the same for both cells,
+so oil is conserved to round-off. A steady film remains steady with any step, since F is then X
+times a flow that does not depend on the step.
 
 If oil travels farther than `FARTHEST` cells in a step, the explicit steps end there, and the flow
 of the last one holds for the rest. So any step has a lift, and a film that settles in long steps
 settles at the same front as in short ones, or at the next one that Eq. (T16) allows.
 
-Without lift, transport is of first order: at faces behind a full cell, at edges that oil enters
-over, in the first step, where sliding reverses, and around the circumference. If film or velocity
-jump within a step, a cell can owe oil. Its row is then solved again without lift.
+In some places there is no lift, and transport is of first order: at faces behind a full cell, at
+edges through which oil enters, in the first step, where sliding reverses, and around the
+circumference. If film or velocity jump within a step, a cell can owe oil. Its row is then solved
+again without lift.
 
 Arrays have the shape (n_c, n_a) of the grid, (n_c, n_a + 1) of its axial faces.
 
@@ -76,7 +77,7 @@ from ...master.fmi.compiled import compilable, compiled
 from ..common.grid import LOWER, OPENINGS, UPPER, Array, Cells, Edges, Flags, face_shares, images
 from ..common.quantities import CONDUCTIVITY_A, STORED, TRANSPORT
 
-NEAREST = 1e-9  # cells of travel in a step without a lift, in which nothing moves but round-off
+NEAREST = 1e-9  # cells of travel in a step, below which there is no lift: only round-off moves
 FARTHEST = 16.0  # cells that the explicit steps cover at most
 LARGEST_COURANT = 1.0 / 3.0  # of an explicit step
 STEEPEST = 1.0 / LARGEST_COURANT - 1.0  # bound on m at a face in Eq. (T13), no oil owed up to it

@@ -1,22 +1,26 @@
 """Friction between the piston and a pin that turns with the rod.
 
-How large it is. Pin bosses of a running engine are in mixed lubrication: friction measured in them
-peaks twice a cycle at high load and is not that of a fluid [Suhara1997], and a slippery coating of
-the pin changes the piston's motion and its friction on the bore [Kohashi2013]. No coefficient of a
-pin in its bosses could be read in the open literature. The open paper behind the case `data_sheet`
-gives asperities that rub in oil 0.1; that bounds it from above. A full film bounds it from below,
-and next to nothing: Petroff's 2 pi^2 mu N R/(P c) is 1e-4 at 18 kN on the pin of the fired case, in
-10 um; the three films of `models/floating_pin`, with oil at hand all around, make the heat of 6e-4
-on the pin of `data_sheet`, half of it by asperities. The default, 0.01, has asperities carry a
-tenth of the load: our own choice, the largest of 0.01, 0.02 and 0.05 with which the fired case,
-flooded, tilts by no more than the 0.1 deg published of motorcycle pistons (0.093, 0.166, 0.268
-deg).
+Size of the coefficient. In a running engine the pin bosses are in mixed lubrication: their measured
+friction has two peaks per cycle at high load and is not that of a fluid [Suhara1997]. A slippery
+coating of the pin changes the motion of the piston and its friction on the bore [Kohashi2013]. The
+open literature has no coefficient of a pin in its bosses.
 
-Where it turns round. The skirt's clearance lets the piston tilt by a tenth of a degree or two while
-the rod swings by 13 to 19: the pin slips with the rod, whose angular velocity has the amplitude
-w r/L (crank speed, crank radius, rod length), and turns round twice a turn. At the default w_0 = 5
-rad/s the passage from -w_0 to w_0 takes 2 w_0 L/(w r) of crank angle: 10 deg at 1680 rpm and 223/72
-(`data_sheet`), 4 deg at 6000 rpm and 100/24.75 (`numerical_example`), some steps of 1 deg.
+An upper bound is 0.1, the value of the open paper behind the case `data_sheet` for asperities that
+rub in oil. A lower bound is that of a full film. On the pin of the fired case at 18 kN, in 10 um of
+oil, Petroff's 2 pi^2 mu N R/(P c) is 1e-4. The three films of `models/floating_pin`, with oil
+everywhere around, heat like a coefficient of 6e-4 on the pin of `data_sheet`, half of it by
+asperities.
+
+With the default, 0.01, asperities carry a tenth of the load. It is our own choice. For the fired,
+flooded case, 0.01, 0.02 and 0.05 give a tilt of 0.093, 0.166 and 0.268 deg. Only the first one is
+not above the 0.1 deg that are published for motorcycle pistons.
+
+Reversal. The clearance of the skirt lets the piston tilt by 0.1 to 0.2 deg, while the rod swings by
+13 to 19 deg. The pin therefore slips with the rod and reverses twice per revolution. The angular
+velocity of the rod has the amplitude w r/L (crank speed, crank radius, rod length). With the
+default w_0 = 5 rad/s, the passage from -w_0 to w_0 takes 2 w_0 L/(w r) of crank angle. This is 10
+deg at 1680 rpm and L/r = 223/72 (`data_sheet`), and 4 deg at 6000 rpm and 100/24.75
+(`numerical_example`), a few steps of 1 deg.
 
 References
 ----------
