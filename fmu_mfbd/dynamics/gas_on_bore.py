@@ -1,12 +1,13 @@
 """Modal forces of gas on the bore, above the top ring and between the rings.
 
-Pressure stands on the whole wall above a ring's middle and ends there; it is even around, and the
-rings' own push on the wall is left out. Where a ring is goes by the crank alone, as the bore is
-read where A stands when x_A = 0: 1 um aside is worth 0.3 um of height. The force on the head goes
-through its studs to where the block is held: the deck has no part in it. On the piston an even
-pressure in a land has no resultant: it pushes both rings, and so the piston, along the bore's axis
-with equal and opposite forces (Eq. (D8)). An uneven one belongs in `ring_side_force` and
-`ring_moment`.
+The pressure acts on the whole wall above the middle of a ring and is uniform around. The force of
+the rings on the wall is neglected. The height of a ring follows from the crank alone, as if
+x_A = 0. A displacement of 1 um changes it by 0.3 um. The force on the head goes through its studs
+to the clamped part of the block, and the deck carries none of it.
+
+On the piston, a uniform pressure in a land has no resultant. It pushes both rings, and so the
+piston, along the axis of the bore with equal and opposite forces (Eq. (D8)). An uneven pressure
+belongs in `ring_side_force` and `ring_moment`.
 """
 
 from typing import Annotated, NamedTuple
@@ -27,7 +28,7 @@ class WallPressures(NamedTuple):
 
 
 class BoreWall(NamedTuple):
-    """The bore as gas pushes it, k modes.
+    """Data of a bore with k modes for the forces of gas.
 
     Parameters
     ----------
@@ -38,7 +39,7 @@ class BoreWall(NamedTuple):
     top_ring, second_ring : float
         Heights above A [m].
     land_share : float
-        Of the chamber's pressure that stands between the rings [-].
+        Share of the chamber's pressure that acts between the rings [-].
     """
 
     lowest: float

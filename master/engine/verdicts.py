@@ -21,27 +21,27 @@ PRESSURE = 50e6, 100e6
 """Film pressure [Pa]: half and all of what a hot aluminium skirt withstands, an assumption."""
 TRUNCATION = 0.02, 0.1
 """Truncation error over film thickness, whose cube is the film's conductance (decision 15)."""
-ODD = TRUNCATION[0], TRUNCATION[0]
+ODD_PART = TRUNCATION[0], TRUNCATION[0]
 """Odd part of the film over film thickness, if modes assume a symmetric film."""
 WORK = 1e-3, 1e-2
 """Relative difference of the interface work between both participants."""
-SHARE_AMBER = 0.05
+SPURIOUS_STEP = 0.05
 """Spurious energy of an accepted step over the energy exchanged in it: half the rejection limit."""
-MADE = 1e-3, 1e-2
+SPURIOUS = 1e-3, 1e-2
 """Spurious energy over the energy exchanged over the run, an assumption as for `WORK`."""
-FORCE = 0.25, 0.75
+SIDE_FORCE = 0.25, 0.75
 """Rms difference of side force and side-force demand over a period, relative to the rms demand."""
-PEAK = 4, 2
+PEAK_CELLS = 4, 2
 """Cells across the pressure peak at half its height: the nearest centre misses the top of a
 parabola by up to 1/(2 n^2) of it, 3 % with 4 cells and 12 % with 2."""
-ZONE = 10
+FULL_CELLS = 10
 """Minimum length of the full film along the axis in cells, where cavities limit it: a load on a
 thin layer is 2 % low with 12 cells (docs/measurements/limits.md)."""
 OPENING = 3
 """Minimum width of an opening in cells, for which its edges are accurate to half of the width."""
 PLAY = 0.02, 0.1
 """Estimated error in time of the play of a pin over its range, as for `TRUNCATION`."""
-MEMORY = 4
+MEMORY_STEPS = 4
 """Steps whose local errors add up in a film: the largest error of `floating_pin` at 1 deg is 0.8 to
 3.7 of the largest local one (docs/measurements/floating_pin.md)."""
 LEAST_PERCENT = 1e-5
@@ -147,15 +147,15 @@ def _of_ledger(summary):
     taken = [value for key, value in summary.items() if key.startswith("energy_taken_")]
     whole = max(map(abs, taken), default=0.0)
     made = sum(taken) / whole if whole > 0.0 else 0.0  # Eq. (X16)
-    colour = _colour(made, *MADE)
-    if colour == "green" and (count or share > SHARE_AMBER):
+    colour = _colour(made, *SPURIOUS)
+    if colour == "green" and (count or share > SPURIOUS_STEP):
         colour = "amber"
     return Verdict(
         colour,
         "energy balance",
         f"The spurious energy over the run is {_percent(max(made, 0.0))} of the energy exchanged "
-        f"(limit {_percent(MADE[0])}). In an accepted step it is at most {_percent(share)} "
-        f"(limit {_percent(SHARE_AMBER)}). The run rejected and halved {count} steps.",
+        f"(limit {_percent(SPURIOUS[0])}). In an accepted step it is at most {_percent(share)} "
+        f"(limit {_percent(SPURIOUS_STEP)}). The run rejected and halved {count} steps.",
     )
 
 
@@ -199,7 +199,7 @@ def _of_truncation(summary):
     if (odd := summary.get("odd_part_film")) is not None:
         said = "The odd part of the film about the thrust plane is at most {} of the local film "
         said += "thickness (limit {}). The modes assume a symmetric film."
-        yield _share("symmetry", odd, ODD, said)
+        yield _share("symmetry", odd, ODD_PART, said)
 
 
 def _of_film(table, results, name):
@@ -252,9 +252,9 @@ def _of_grid(results, name):
     widths = peak_width(pressure[instant], cell)
     remarks = [
         f"The pressure peak spans {_cells(widths.around)} around and {widths.along} along at half "
-        f"its height (minimum {PEAK[0]})"
+        f"its height (minimum {PEAK_CELLS[0]})"
     ]
-    colours: list[Colour] = [_colour(-min(widths), -PEAK[0], -PEAK[1])]
+    colours: list[Colour] = [_colour(-min(widths), -PEAK_CELLS[0], -PEAK_CELLS[1])]
     around, _ = pressure.shape[1:]
     if around % 2:
         colours.append("amber")
@@ -267,9 +267,11 @@ def _of_grid(results, name):
         row = fractions[instant, cell[0]]
         full = row >= 1.0
         length = run_length(full[cell[1] :]) + run_length(full[: cell[1] + 1][::-1]) - 1
-        if not full[[0, -1]].any() and 0 < length < ZONE:
+        if not full[[0, -1]].any() and 0 < length < FULL_CELLS:
             colours.append("amber")
-            remarks.append(f"The full film at the peak is {length} cells long (minimum {ZONE})")
+            remarks.append(
+                f"The full film at the peak is {length} cells long (minimum {FULL_CELLS})"
+            )
         closed = without_film(pressure, fractions)
         thin = narrowest_opening(closed)
         if thin and thin < OPENING:
@@ -314,7 +316,7 @@ def _of_side_force(results, name):
         return
     deviation = float(np.sqrt(np.mean((actual - asked) ** 2))) / size
     said = "The side force differs from the side-force demand by {} rms (limit {})."
-    yield _share("side force", deviation, FORCE, said)
+    yield _share("side force", deviation, SIDE_FORCE, said)
 
 
 def _of_play(results, name):
@@ -325,7 +327,7 @@ def _of_play(results, name):
     error = size = 0.0
     for port in ports:
         play = results.series(port).values
-        error = max(error, MEMORY * float(np.abs(bdf2_error(results.time, play)).max()))
+        error = max(error, MEMORY_STEPS * float(np.abs(bdf2_error(results.time, play)).max()))
         size = max(size, float(np.ptp(play)))
     if size > 0.0:
         said = f"The estimated error of the play due to the step is at most {short(error, 'm')}, "
