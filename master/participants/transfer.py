@@ -118,7 +118,7 @@ class FmuFields(DescribedFmu):
         """Return the instance and functions of the FMU as numbers, None for a missing function."""
         pointers = [getattr(self._functions, name, None) for name in functions]
         return self._functions.component.value, [
-            ctypes.cast(one, ctypes.c_void_p).value for one in pointers
+            one and ctypes.cast(one, ctypes.c_void_p).value for one in pointers
         ]
 
     def _vector(self, name):
