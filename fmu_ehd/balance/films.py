@@ -84,7 +84,7 @@ def smooth_film(film_thickness: Array, viscosity: Array, minimum_flow_film: floa
     return quantities, by_film
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _factors(table, separation, roughness_rms, f, df):
     """Functions of `roughness` at H into `f`, their slopes to h into `df`."""
     last = table.shape[0] - 1

@@ -94,7 +94,7 @@ def flow_film(film_thickness: Array, sheared: ShearedOil, laws: FilmLaws) -> Flo
     return _thinned(quantities, by_film, film_thickness, sheared, laws)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _sheared_film(film_thickness, laws):
     """Return the film of the shear rate [m] and its slope to the film thickness [-]."""
     if laws.factors.size > 0:

@@ -157,7 +157,7 @@ class Balance(NamedTuple):
     imbalance: float
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _face(g_a, g_b, t_a, t_b, velocity, aspect, width):
     """Conductance K and transport T of a face, Eq. (E3)."""
     inverse = 1.0 / (g_a + g_b)
@@ -232,13 +232,13 @@ def faces(film: Array, entrainment: Entrainment, open_cells: Flags, cells: Cells
     return Faces(k_c, t_c, k_a, t_a)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _dragged(t, fraction, limit):
     """Return what sliding drags in over an edge, Eq. (E12); t : transport into the film."""
     return min(max(t, 0.0) * fraction, limit)  # Eq. (E12)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _inflow_part(k, t, pressure, fraction, limit):
     """Return the known part of the flow over an edge into a full film, Eq. (E5).
 
@@ -357,20 +357,20 @@ def hold(fixed: Flags, value: float, stencil: Array, right: Array):
                 right[i, j] = value
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _flow(k, t, p_a, p_b, f_a, f_b):
     """Face flow, Eq. (E2)."""
     return k * (p_a - p_b) + max(t, 0.0) * f_a + min(t, 0.0) * f_b  # Eq. (E2)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _inflow(k, t, pressure, fraction, cell_pressure, cell_fraction, limit):
     """Flow over an edge into a cell, Eqs. (E2), (E12); t transport into the film."""
     drawn = k * (pressure - cell_pressure)
     return drawn + _dragged(t, fraction, limit) + min(t, 0.0) * cell_fraction
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _inflow_axial(filling, faces, edges, i, edge):
     """Flow into row i over the lower or the upper edge [m3/s]."""
     n_a = filling.pressure.shape[1]

@@ -66,13 +66,13 @@ class FlowSlopes(NamedTuple):
     velocity: float
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _side(conductivity, transport, pressure, fraction, i, j):
     """Return the quantities of cell (i, j) that a face needs."""
     return Side(conductivity[i, j], transport[i, j], pressure[i, j], fraction[i, j])
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _flow_slopes(a, b, velocity, aspect, width, lift=0.0):
     """Return the derivatives of the face flow from `Side` a to b, Eqs. (E2), (E3)."""
     upstream = lift + (a.film_fraction if velocity > 0.0 else b.film_fraction)
@@ -91,7 +91,7 @@ def _flow_slopes(a, b, velocity, aspect, width, lift=0.0):
     )
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _of_cell(g, t, velocity, row, slopes, du, i, j):
     """Return the derivatives of a face flow to film thickness and sliding velocity of a cell.
 
@@ -106,7 +106,7 @@ def _of_cell(g, t, velocity, row, slopes, du, i, j):
     return of_film, of_velocity
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _edge_slopes(cell, velocity, pressure, entering, sign, aspect, width, lift=0.0):
     """Return the derivatives of the flow over an edge of a cell, whose film stands on both sides.
 
@@ -117,7 +117,7 @@ def _edge_slopes(cell, velocity, pressure, entering, sign, aspect, width, lift=0
     return _flow_slopes(a, b, velocity, aspect, width, lift)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _add_edge(q, sign, row, slopes, du, centre, i, j):
     """Add the derivatives of the flow over an edge, `FlowSlopes` q, to the centre of both stencils.
 

@@ -134,7 +134,7 @@ def pace(step: float, step_before: float, length: float) -> StepRatios:
     return StepRatios(step / step_before, (step - length) / step_before, length / step)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _face_value(before, up, down):
     """m at a face, Eq. (T13), from m before the upstream cell, in it, and behind it."""
     step = down - up
@@ -166,13 +166,13 @@ class TransportFilm(NamedTuple):
     width: Array
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _holds_front(cell, onward, i, full):
     """Return whether oil goes from a cell into a full one; onward: 1 with ascending j, else -1."""
     return 0 <= cell + onward < full.shape[1] and full[i, cell + onward]
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _row_flow(content, i, way, steps, given, flow):
     """Compute the volumes that pass the axial faces of row i in an explicit step into `flow` [m3].
 
@@ -218,7 +218,7 @@ def _row_flow(content, i, way, steps, given, flow):
         flow[j] = width * x * lifted * between[i, j]
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _lift_at_fronts(i, way, given, through, content, past, area, fraction):
     """Compute the lift at the faces of row i into full cells, Eq. (T16), into `fraction`.
 
@@ -266,7 +266,7 @@ def _lift_at_fronts(i, way, given, through, content, past, area, fraction):
         fraction[i, face] = max(min(wanted, there / drawn), -entering)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _expected(past, quantity, ratio):
     """Return a quantity extrapolated over the share `ratio` of the last step."""
     last = past.film[quantity]
@@ -280,7 +280,7 @@ def _expected(past, quantity, ratio):
     return expected
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _face_film(mobile, g, states):
     """Transported film at the axial faces [m], Eq. (E3); next to an opening that of the cell."""
     n_c, n_a = mobile.shape
@@ -299,7 +299,7 @@ def _face_film(mobile, g, states):
     return between
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _expected_film(past, states, ratio, travel, supply, width):
     """Return the film that is expected after the share `ratio` of the last step."""
     stored = _expected(past, STORED, ratio)
@@ -317,7 +317,7 @@ def _expected_film(past, states, ratio, travel, supply, width):
     )
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _explicit_steps(i, way, length):
     """Return the number of explicit steps of row i, 0 without a lift; length : of a cell [m]."""
     farthest = 0.0
@@ -332,7 +332,7 @@ def _explicit_steps(i, way, length):
     return np.ceil(courant / LARGEST_COURANT * (1.0 - 1e-12))
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _entering(fraction, limit, step, swept):
     """Film fraction that comes in over an edge; swept: volume of the film dragged in [m3]."""
     return min(fraction, limit * step / swept) if swept > 0.0 else fraction
@@ -441,7 +441,7 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
     return Lift(fraction, travel)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _velocity_at(axial_velocity, open_cells, i, j):
     """Entrainment velocity at axial face j of row i [m/s]."""
     below = max(j - 1, 0)

@@ -72,13 +72,13 @@ class Entrainment(NamedTuple):
     axial: Array
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def images(mirrored: bool, i: int, n_c: int):
     """Return the number of rows of the film that row i of a grid represents, Eq. (E19) [-]."""
     return 2.0 if mirrored and 0 < i < n_c - 1 else 1.0  # Eq. (E19)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def row_at(cells: Cells, i: int, n_c: int):
     """Return the row at position i, which may be up to n_c - 1 rows beyond the grid.
 
@@ -91,7 +91,7 @@ def row_at(cells: Cells, i: int, n_c: int):
     return i if 0 <= i < n_c else -1
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def face_shares(open_a: bool, open_b: bool):
     """Return the shares of both cells in the velocity at their face, 0 of a cell without a film."""
     if open_b:

@@ -175,7 +175,7 @@ def contact_table(law: str = "greenwood_tripp_1970") -> Array:
     return np.ascontiguousarray(np.stack(columns, axis=1))
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _integral(table, column, separation):
     """Tabulated integral and its slope at Lambda; straight below 0, zero above the table."""
     if separation >= TABLE_END:
@@ -185,7 +185,7 @@ def _integral(table, column, separation):
     return interpolate(table, column, TABLE_END, separation)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _energy_integral(table, separation):
     """int_Lambda^inf F_5/2, with F_5/2 straight below 0."""
     value, slope = _integral(table, ENERGY_COLUMN, separation)
@@ -234,7 +234,7 @@ def pressure_scale(roughness_product: float, slope_ratio: float, contact_modulus
     return factor * roughness_product**2 * np.sqrt(slope_ratio) * contact_modulus  # Eq. (A3)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def point_contact(film_thickness, constants):
     """Contact at a point, Eqs. (A3), (A4), (A6), (A9), (A13); `constants`: ContactConstants.
 

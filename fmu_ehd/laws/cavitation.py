@@ -135,7 +135,7 @@ def shares(model: Cavitation, unknown: Array, full: Flags):
     return of_pressure, of_fraction
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _rounded(u, rounding):
     """p + c, u_v (1 - f) and their sum by Eq. (C6) [Pa], without cancellation."""
     product = rounding * VOID_PRESSURE

@@ -66,7 +66,7 @@ class Contact(NamedTuple):
     energy: Array
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def neighbour(k, i, j, n_c, n_a):
     """Cell of entry k of the stencil of cell (i, j) of a ring; an edge's own cell beyond it."""
     if k == WEST:
@@ -80,7 +80,7 @@ def neighbour(k, i, j, n_c, n_a):
     return i, j
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _shares(x, before, after):
     """Return the shares of both neighbours in the gap at x of a cell, Eqs. (A7), (A15).
 
@@ -92,7 +92,7 @@ def _shares(x, before, after):
     return (1.0 - before) * (near - far * after), (1.0 - after) * (far - near * before)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _beside(k, steps, i, j, open_cells, cells):
     """Return the cell so many steps from cell (i, j) towards entry k of its stencil.
 
@@ -106,14 +106,14 @@ def _beside(k, steps, i, j, open_cells, cells):
     return (-1 if n_c == 1 or a < 0 or open_cells[a, j] else a), j
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _smooth(value, zero, one):
     """Return S of Eq. (A12), which is 0 at `zero` and 1 at `one`."""
     x = min(max((value - zero) / (one - zero), 0.0), 1.0)
     return x * x * (3.0 - 2.0 * x)
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _step_weight(before, jump, after, roughness_rms):
     """Return the weight of a step of the gap by `jump`, Eq. (A12)."""
     weight = _smooth(abs(jump) / roughness_rms, SMOOTH_JUMP, STEP_JUMP)

@@ -127,7 +127,7 @@ class ForceSlopes(NamedTuple):
     dy: float
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _gradients(pressure, area, lower, upper, dy, out):
     """Axial pressure gradient of each cell of a row from the pressures on its two faces."""
     last = pressure.size - 1

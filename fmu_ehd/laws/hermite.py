@@ -7,7 +7,7 @@ from ...master.fmi.compiled import compiled
 from ..common.grid import Array
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def interpolate(table: Array, column: int, end: float, x: float):
     """Value and slope of a tabulated function, for 0 <= x < end.
 

@@ -71,7 +71,7 @@ def no_factors(shape: tuple[int, int]) -> Factors:
     )
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _single_pivot(a, k, column):
     """One Gauss-Jordan step of the whole matrix with the pivot of row k in `column`."""
     d = 1.0 / a[k, column]
@@ -86,7 +86,7 @@ def _single_pivot(a, k, column):
                 a[r, c] -= f * a[k, c]
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _invert_four(pivot):
     """Invert a 4 x 4 matrix in place; loops of constant length, which the compiler unrolls."""
     for q in range(4):
@@ -288,7 +288,7 @@ def factorise_changed(factors: Factors, stencil: Array, lowest: int, highest: in
     factors.direction[0] = direction
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def _multiply(columns, diagonals, orders, m, k, b, out):
     """out = S_j^-1 b at the k-th station, which has m coupled cells."""
     n = b.size

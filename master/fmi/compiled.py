@@ -111,7 +111,10 @@ class Kernel(Generic[Given, Result]):
     def _made(self, cache: Any, **options: Any) -> Any:
         from numba import njit
 
-        dispatcher: Any = njit(error_model="numpy", **options, **self.targetoptions)(self.py_func)
+        # numba would hand it on to the kernels inside
+        inlined = {"forceinline": self.targetoptions.get("forceinline", False)}
+        options |= {"error_model": "numpy"} | inlined | self.targetoptions
+        dispatcher: Any = njit(**options)(self.py_func)
         if cache:
             dispatcher._cache = cache
         return dispatcher
