@@ -53,12 +53,11 @@ def seen(request, tmp_path_factory):
     name, changes = CASES[request.param]
     folder = tmp_path_factory.mktemp(request.param)
     path = find_case(name)
-    tree = read_tree(path, changes)
-    case, results = check_case(tree, path), run_tree(path, tree, folder / "run.h5")
-    runs = {"run": results}
-    page = page_of(check_case(results.case, path), runs, folder / "report")
-    with Browser(folder / "profile", 1400, 900) as browser:
-        browser.open(page)
+    with Browser(folder / "profile", 1400, 900) as browser:  # first: without one, nothing is run
+        tree = read_tree(path, changes)
+        case, results = check_case(tree, path), run_tree(path, tree, folder / "run.h5")
+        runs = {"run": results}
+        browser.open(page_of(check_case(results.case, path), runs, folder / "report"))
         yield SimpleNamespace(
             kind=request.param, case=case, path=path, runs=runs, results=results, browser=browser
         )
