@@ -38,6 +38,8 @@ def tight(tree, tolerance="1 nm"):
 
 TIGHT = ("wires.0.tolerance", "1 nm"), ("wires.1.tolerance", 1e-6)
 """Tolerances of film thickness and velocity at which runs that differ in their method agree."""
+FEW_MODES = 12
+"""Modes of both bodies of a small flexible example. All tests share its reduction: 20 s."""
 
 
 def coarse(*changes, grid=(12, 10), modes=0):

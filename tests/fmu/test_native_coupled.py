@@ -16,7 +16,7 @@ from piston_cosim.master.participants.fmi2 import FmuParticipant
 
 from .films import one_film, several_films
 from .pairs import BY_ITSELF, side_by_side
-from .runs import EXAMPLE, export, small_tree, tight
+from .runs import EXAMPLE, FEW_MODES, export, small_tree, tight
 from .shipped import DATA_SHEET, FLOATING_PIN, small_pin
 
 STEP = float(np.radians(1.0)) / (2 * np.pi * 100.0)  # 1 deg at 6000 rpm [s]
@@ -49,7 +49,7 @@ OF_EQUALS = ("evaluations", "work_error", "imbalance", "power_error", "force_hyd
 """Of the floating pin: counts, and shares and forces that are differences of what is equal."""
 OF_WORKS = {"power_error": "film_power"}
 """It is a difference of powers."""
-FOUR_MODES = dict(modes=4)
+FLEXIBLE = dict(modes=FEW_MODES)
 TIGHT = [("wires.0.tolerance", "1e-5 nm"), ("wires.1.tolerance", 1e-11)]
 
 
@@ -140,7 +140,7 @@ def test_coordinates_give_the_fixed_point_of_the_wires():
     apart = []
     for tolerance, velocity in (("10 nm", 1e-5), (CONVERGED, 1e-8)):
         changes = [("wires.0.tolerance", tolerance), ("wires.1.tolerance", velocity)]
-        tree = small_tree(("time.stop", "12 deg"), *changes, modes=12)
+        tree = small_tree(("time.stop", "12 deg"), *changes, **FLEXIBLE)
         pair = [export(tree, native=True, coordinates=one) for one in (True, False)]
         apart.append(compared(pair, 40, HARD))
     shares = apart[-1].shares(OF_WORKS)
@@ -312,7 +312,7 @@ def test_a_fixed_parameter_is_rejected_after_the_start_and_never_acts(engine):
         # 20 mPa s for 6, to the tolerance of the wires
         ("viscosity", 0.02, {}, "friction_power_hydrodynamic", 1, 1e-9, 1.0),
         # in an engine with modes
-        ("damping_ratio", 2.0, FOUR_MODES, "elastic_energy", 2, 1e-6, 1e-3),
+        ("damping_ratio", 2.0, FLEXIBLE, "elastic_energy", 2, 1e-6, 1e-3),
     ],
 )
 def test_a_tunable_parameter_acts_at_the_next_step(
@@ -338,7 +338,7 @@ def test_saved_state_omits_earlier_products_and_repeats_the_same_bits(backend):
 
     With modes, a step that has them has other bits: a host that never saves keeps them.
     """
-    path = exported(native=backend == "native", **FOUR_MODES)
+    path = exported(native=backend == "native", **FLEXIBLE)
     never, saving, other = started(path), started(path), started(path, {})
     names = outputs_of(never)
     for k in range(1, 12):
