@@ -407,6 +407,8 @@ def find(memory: np.ndarray, x: np.ndarray, time: float, length: float, noted: n
     counts[1] = end.products
     if end.is_converged:
         keep(x, end.at.used)
+        first = len(x) - len(system.scale)
+        keep(x[first:], end.at.outputs[first:])  # no input: those of a guess would drift
     if end.failure != NONE:
         count, best, last = len(end.history), np.min(end.history), end.history[-1]
         refuse(system.failures, end.failure, float(count), 0.0, last, best, 0.0)

@@ -8,7 +8,11 @@ import pytest
 
 from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.case.system import open_system
-from piston_cosim.master.coupling.compiled_newton import CompiledNewton, compiled_if_native
+from piston_cosim.master.coupling.compiled_newton import (
+    CompiledNewton,
+    Coordinates,
+    compiled_if_native,
+)
 from piston_cosim.master.coupling.freezing import freeze, thaw
 from piston_cosim.master.coupling.methods.newton import Newton
 from piston_cosim.master.coupling.methods.solution import MacroStep
@@ -94,6 +98,18 @@ def test_coordinates_give_the_fixed_point_of_the_wires(monkeypatch):
     assert (np.abs(x - expected) <= 2.0 * tolerance)[unknown].all()
     assert [len(trail) for trail, _ in ours.trails] == one.counters.iterations
     assert one.counters.derivative_products < wires.counters.derivative_products
+
+
+def test_coordinates_are_those_of_the_bodies_and_not_of_the_guess():
+    """A first guess that is accepted would be extrapolated again, and drift."""
+    one, _ = stepper(Newton(), True, 3)
+    one.interface.tolerance[:] = np.inf
+    taken(one, 0, 1)
+    bodies: Any = one.interface.participants["bodies"]
+    now = Coordinates(bodies).read({"bodies": bodies.save()})
+    (_, begun), (_, ended) = one.memory.past
+    assert one.counters.iterations == [1]
+    assert np.array_equal(ended, now) and not np.array_equal(ended, begun)
 
 
 def test_coordinates_of_a_rejected_step_are_forgotten():
