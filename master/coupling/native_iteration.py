@@ -42,6 +42,10 @@ SMALL_RESIDUAL = 300.0
 """Residual over its tolerance at which the first update of a step has rough products. They leave a
 three-hundredth of it. Where surfaces touch, further rough updates do not converge.
 """
+OF_GUESS = 10.0
+"""Weight of the residual of a first guess in coordinates. These follow the motion so closely that
+extrapolations of accepted guesses would drift by the tolerance.
+"""
 LEAST = 1e-6
 """Scale of coordinates that move no film, over the largest scale."""
 
@@ -168,6 +172,8 @@ def evaluate(step: Step, x: np.ndarray):
             begin = end
     if is_answered:
         step.evaluations[0] = k + 1.0
+        if k == 0 and step.system.owner >= 0:
+            measure *= OF_GUESS
     return Answer(at, measure, tolerance)
 
 
@@ -407,8 +413,9 @@ def find(memory: np.ndarray, x: np.ndarray, time: float, length: float, noted: n
     counts[1] = end.products
     if end.is_converged:
         keep(x, end.at.used)
-        first = len(x) - len(system.scale)
-        keep(x[first:], end.at.outputs[first:])  # no input: those of a guess would drift
+        if len(end.history) == 1:  # else a guess would be extrapolated again, and drift
+            first = len(x) - len(system.scale)
+            keep(x[first:], end.at.outputs[first:])
     if end.failure != NONE:
         count, best, last = len(end.history), np.min(end.history), end.history[-1]
         refuse(system.failures, end.failure, float(count), 0.0, last, best, 0.0)

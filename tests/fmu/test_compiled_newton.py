@@ -101,7 +101,7 @@ def test_coordinates_give_the_fixed_point_of_the_wires(monkeypatch):
 
 
 def test_coordinates_are_those_of_the_bodies_and_not_of_the_guess():
-    """A first guess that is accepted would be extrapolated again, and drift."""
+    """An accepted guess would be extrapolated again, and drift."""
     one, _ = stepper(Newton(), True, 3)
     one.interface.tolerance[:] = np.inf
     taken(one, 0, 1)
