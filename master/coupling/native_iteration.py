@@ -350,7 +350,7 @@ def coordinate_update(step: Step, answer: Answer, rules: Rules, layout: Layout, 
             return Update(change, count, False)
         right += values * system.scale
     goal = Goal(rules.forcing * length(right), np.inf)
-    is_small = answer.measure <= SMALL_RESIDUAL and step.evaluations[0] <= 1.0
+    is_small = answer.measure <= SMALL_RESIDUAL * OF_GUESS and step.evaluations[0] <= 1.0
     linear = CoordinateSystem(step, values, limits, ROUGH if is_small else EXACT)
     most = rules.largest_krylov_space
     # Eq. (Q13)
