@@ -4,8 +4,12 @@ The phases, what they allow and the sentences are those of front/common.c. Of th
 only a step has a status. A misplaced call is logged and ignored, and a misplaced step is discarded.
 """
 
+import atexit
+import ctypes
 from collections.abc import Callable
+from functools import cache
 from math import inf, isfinite, isnan
+from pathlib import Path
 from struct import Struct, error
 from typing import Any, NamedTuple
 
@@ -48,6 +52,7 @@ class CallOrder(FieldSlave):
 
     def __init__(self, **kwargs: Any):
         super().__init__(**kwargs)
+        release_at_exit(self.resources.parent)
         # rows of the table by value reference, the last one for seeds and products
         self.owner = np.full(self.first_text + len(self.string), -1)
         for k, v in enumerate(self.table):
@@ -156,6 +161,16 @@ class CallOrder(FieldSlave):
         except (BadInput, IndexError, error) as fault:
             self._fail(f"fmi2DeSerializeFMUstate: {fault}", Fmi2Status.error)
             return None
+
+
+@cache
+def release_at_exit(folder: Path) -> None:
+    """Release what the library in the folder of an FMU keeps of Python before a Linux host exits.
+
+    At the exit the library frees it twice, and a host may abort. After this call nothing is left.
+    """
+    for path in folder.glob("binaries/linux64/*.so"):
+        atexit.register(ctypes.CDLL(str(path)).finalizePythonInterpreter)
 
 
 def in_order(model: type[FieldSlave]) -> type[FieldSlave]:

@@ -177,8 +177,7 @@ def test_misuse_gives_one_sentence(fmu):
 
 def test_misuse_without_a_c_compiler_gives_one_sentence(monkeypatch):
     """pythonfmu's library returns no status but that of a step."""
-    monkeypatch.setenv("CC", "no-such-compiler")
-    stock = build_fmu_of_file(f"{HERE / 'front_toy.py'}:Toy", {"texts": True})
+    stock = stock_fmu(monkeypatch)
     asked = [one for one in CALLS if one[0][-1][0] not in ("derive", "null", "log")]
     answers = edge_host(stock, [calls for calls, _ in asked])
     for (calls, sentence), (statuses, words) in zip(asked, answers, strict=True):
@@ -186,6 +185,25 @@ def test_misuse_without_a_c_compiler_gives_one_sentence(monkeypatch):
         assert statuses == [0] * (len(calls) - 1) + discarded, (calls, words)
         assert len(words) == bool(sentence) or calls[-1][0] == "enter"  # which is two calls
         assert sentence in "".join(words[:1]), (calls, words)
+
+
+def test_exit_without_a_c_compiler_frees_nothing_twice(monkeypatch, tmp_path):
+    """The second release of freed memory would find one user, and call what is no function."""
+    source = tmp_path / "freed.c"
+    source.write_text(
+        '__attribute__((visibility("default")))'
+        "void _ZdlPvm(int *p, long n) { while (n > 3) p[(n -= 4) / 4] = 1; }"
+    )
+    stock = stock_fmu(monkeypatch)
+    monkeypatch.setenv("LD_PRELOAD", str(link(tmp_path / "freed.so", source)))
+    assert edge_host(stock, [[*READY, ("step", 0.0, 1.0)]]) == [[[0, 0, 0], []]]
+
+
+def stock_fmu(monkeypatch):
+    """Return the toy with the library of pythonfmu."""
+    with monkeypatch.context() as elsewhere:
+        elsewhere.setenv("CC", "no-such-compiler")
+        return build_fmu_of_file(f"{HERE / 'front_toy.py'}:Toy", {"texts": True})
 
 
 def test_resources_of_another_place(fmu):
