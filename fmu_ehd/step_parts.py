@@ -448,8 +448,8 @@ def account(
                     Q = sum over faces of  K (p_a - p_b)^2 + sum over cells of  A c V^2
 
     In a full film E is the work of the surfaces to round-off. They work on h, the film on its
-    content c = f s: in a cell that fills they do more, which is lost, and where s is another film
-    than h, at its floor or with flow factors, E omits A (p_0 + p_1)/2 (dh - ds).
+    content c = f s. In a cell that fills they do more work, which is lost. At the floor of the film
+    or with flow factors, s is not h. There E omits A (p_0 + p_1)/2 (dh - ds).
 
     Parameters
     ----------

@@ -7,9 +7,10 @@ is a lift l of the film fraction at the axial faces, Eq. (E2):
 
 Eq. (T11):  l = (F - beta_t F_n) / (w X H_e/H h_U) - f*_up,   |l| <= 3 (1 - f*)
 
-so that the volume beta_t F_n + H_e q [m3] that passes a face in a step of `storage` is F, and the
-film fraction f* upstream, if film and velocity continue as in the last step. F and f* result from
-explicit steps of Heun's method, in each of which oil travels x, at most a third of a cell:
+In a step of `storage`, the volume beta_t F_n + H_e q [m3] passes a face. With this lift it is F,
+and the film fraction upstream is f*, if film and velocity continue as in the last step. F and f*
+result from explicit steps of Heun's method, in each of which oil travels x, at most a third of a
+cell:
 
 Eq. (T12):  c <- c + (x_before m_before - x_behind m_behind) / dy + gain
 Eq. (T13):  m = m_up + min(D^2, 2 d D, (2 D + d) D / 6) / D   where d D > 0,   else m_up

@@ -23,9 +23,9 @@ Eq. (O10):  mu_t = max(d(mu gamma')/dgamma', m mu_0)
 
 The bound acts for exponents above 1 only, where the stress may fall with the shear rate.
 
-The shear rate is that of sliding: the film of a skirt is sheared by V, pressure flow adds little,
-and so the thinned viscosity is a function of film and velocity in the same cell, with an
-exact derivative.
+The shear rate is that of sliding, because pressure flow adds little to it in the film of a skirt.
+So the thinned viscosity is a function of film and velocity in the same cell, and its derivative is
+exact.
 
 References
 ----------

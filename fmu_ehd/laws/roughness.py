@@ -58,11 +58,11 @@ axis, and the journal takes the part of the skirt. The grid rests on the shell, 
 What confirms the table: (R2) stands in several public sources. The two branches of (R3) meet at
 Lambda = 5 to the printed digits for all seven gamma, which ties six numbers of each row together
 (tests/ehd/test_films.py). For gamma = 1 the open code of R. Boman (github.com/rboman/progs,
-apps/EHD, read for comparison) has the same (R4) to (R6), and its line A2 = 1.0766 - 0.3776 ln
-gamma, fitted through all gamma, passes within 0.11 of every A2 here. For the rows of (R5) and (R6)
-with gamma other than 1 no second source is known, but (R6) follows from (R1) and (R3): what a
-pressure gradient does to a sliding surface and what sliding carries through the film have one
-coefficient, phi_fp Lambda = h_T/sigma - Phi_s for each gamma within 0.03 Lambda
+apps/EHD, read for comparison) has the same (R4) to (R6). Its line A2 = 1.0766 - 0.3776 ln gamma,
+fitted through all gamma, passes within 0.11 of every A2 here. For the rows of (R5) and (R6) with
+gamma other than 1 no second source is known, but (R6) follows from (R1) and (R3). One coefficient
+says what a pressure gradient does to a sliding surface, and what sliding carries through the film:
+phi_fp Lambda = h_T/sigma - Phi_s for each gamma within 0.03 Lambda
 (tests/ehd/test_values_surfaces.py).
 
 References

@@ -3,10 +3,9 @@
 It is read under the moving skirt like the bore's own modes. Forces return to that grid by virtual
 work.
 
-Both directions are one linear map and its transpose, so that what the film's forces do on its own
-grid is what the forces on the bore's grid do there, to round-off. The deflection is radial: what
-the bore moves along its axis, some mm/s beside the piston's m/s, the film does not see, and its
-friction does not drive.
+Both directions are one linear map and its transpose. So the forces on both grids do the same work,
+to round-off. The deflection is radial. The bore also moves along its axis, by some mm/s compared
+with the piston's m/s. The film ignores this motion, and friction does not drive it.
 """
 
 from collections.abc import Sequence

@@ -287,12 +287,12 @@ def load_of(system: BodySystem, films: FilmForces, others: OtherForces) -> Load:
 
     Eq. (D8):  moment about A = (gas - F_y)(pin offset + x_A) + M
 
-    The rings seal against the bore and float in their grooves: the gas, and F_y that the rings rub
-    with, act along the bore's axis, wherever the piston stands and however it leans, and A stands
-    at pin offset + x_A from it. An even pressure in a land pushes the rings on either side of it
-    along that axis with equal and opposite forces, and has no part in it. M is the moment of what
-    the rings do across the bore. Rings push a rigid piston: its modes feel the film and the gas on
-    the crown alone, those of the block the film and the gas on the wall (Eq. (D18)).
+    The rings seal against the bore and float in their grooves. So the gas and the friction F_y of
+    the rings act along the bore's axis at any position and angle of the piston. A is at pin offset
+    + x_A from this axis. An even pressure in a land pushes the rings on either side of it along the
+    axis with equal and opposite forces, whose sum is 0. M is the moment of what the rings do across
+    the bore. Rings push a rigid piston: its modes feel the film and the gas on the crown alone,
+    those of the block the film and the gas on the wall (Eq. (D18)).
     """
     rings = others.rings
     axis_force = others.gas - rings.axial

@@ -396,8 +396,8 @@ def moved_by(
 def film_measures(model: BodyModel, last: StepEnd) -> np.ndarray:
     """Return how much each coordinate changes the films, by the bore read along the stroke.
 
-    It is the root of the sum over cells of squared changes of film thickness, and of the way that
-    the change of velocity is in the step, per unit of the coordinate: as a root mean square over
+    Per unit of the coordinate, it is the root of the sum of squares over cells: of the change of
+    film thickness, and of the change of velocity times the step. This is the root mean square over
     `HEIGHTS` crank angles.
     """
     by = reach_of(last.coefficients, model.parts.kinds)

@@ -20,8 +20,8 @@ class Skirt(NamedTuple):
     """Skirt side of the film, c x a grid cells.
 
     They are the film, n = c, or half of it, n > c. The normal and axial forces on a cell of half a
-    film are the sums over the cell and its mirror image, so that sums over all cells are those of
-    the film.
+    film are the sums over the cell and its mirror image. Sums over all cells are then those of the
+    film.
 
     Parameters
     ----------

@@ -49,9 +49,9 @@ def levers(surface: FilmSurface, around: np.ndarray, window: Window) -> Levers:
 
     They are of first order: A moves by z, and the skirt rotates by roll and yaw about A, at the
     distance p from its axis. A point (R sin theta - p, y', R cos theta) from A moves outwards by
-    (z + roll y' + yaw p) cos theta. Yaw about the skirt's own axis has no effect in a round bore,
-    because barrel and ovality move with the grid, and pressure on a round wall has no moment about
-    its axis. A bore that is not round is read at theta + yaw.
+    (z + roll y' + yaw p) cos theta. Yaw about the skirt's own axis has no effect in a round bore:
+    barrel and ovality move with the grid, and pressure on a round wall has no moment about its
+    axis. A bore that is not round is read at theta + yaw.
 
     Parameters
     ----------

@@ -1,9 +1,10 @@
 """The chain of one cylinder: crank, rod, pin and piston, and the films between them.
 
-A tied pin is part of the rod. Its coordinates are x_A, the rocking angle, then with a floating pin
-those of `PIN`, crank pin from the rod's big end (x, y) and journal from the main bearing (x, y) if
-they have a film. Modes of the piston follow, first those with inertia, then modes of the block,
-shapes of the pin along x and along y, modes of eye, big end and main bearing.
+A tied pin is part of the rod. The coordinates are in this order: x_A and the rocking angle, with a
+floating pin those of `PIN`, then if they have a film, crank pin from the rod's big end (x, y) and
+journal from the main bearing (x, y). Then follow modes of the piston, those with inertia first, and
+modes of the block. The last are shapes of the pin along x and along y, and modes of eye, big end
+and main bearing.
 
 Relative coordinates keep the digits of a pin that moves by micrometres in its films. The rod stays
 on the crank without a constraint to drift from. The modes of shells have the inertia of their own
@@ -51,8 +52,8 @@ BODY = CylinderBodies()
 class PinCoordinates(NamedTuple):
     """Numbers of the coordinates of a floating pin.
 
-    They are the positions of its axis from that of the piston's bosses and of the rod's eye [m],
-    along x and y of the block, and its angle about +z [rad].
+    Positions of its axis, along x and y of the block: from the axis of the piston's bosses and from
+    that of the rod's eye [m]. The last is its angle about +z [rad].
     """
 
     boss_x: int = RIGID

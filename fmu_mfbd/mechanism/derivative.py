@@ -49,10 +49,10 @@ def chain_derivative(
 ) -> ChainDerivative:
     """Compute the derivative of all forces by the unknowns of the time integrator.
 
-    It is the derivative of both sweeps, for all unknowns at once. The force of an element and that
-    on its shapes are constant in the axes of one body, and its moment in these about a point of
-    another, but for slopes and laws.
-    Coupling of modes among each other (Eq. (D4)) is omitted.
+    It is the derivative of both sweeps, for all unknowns at once. Apart from slopes and laws, the
+    force of an element and that on its shapes are constant in the axes of one body. So is its
+    moment in these axes about a point of another body. Coupling of modes among each other (Eq.
+    (D4)) is omitted.
 
     Parameters
     ----------

@@ -253,8 +253,8 @@ def page_of(case, runs, folder, *, source=None, measured=None):
 def case_folder(results, case=None) -> Path:
     """Return the folder that contains the meshes of a run's case.
 
-    It is the folder of `case`, else of the case with the name of the results folder, else of the
-    shipped case with the same title, else the folder of the results.
+    It is the first that exists of these: the folder of `case`, of the case with the name of the
+    results folder, of the shipped case with the same title, and of the results.
     """
     if case:
         return find_case(case).parent

@@ -4,10 +4,10 @@ Eq. (V6):  minimise  sum of r_i^2,   r_i = (y(x_i) - m_i) / sigma_i
 Eq. (V7):  C = s^2 (J^T J)^-1,   J = dr/dp,   s^2 = max(1, sum of r_i^2 / (n - number of p))
 
 y is a curve of the last period, m_i one of n measured values at x_i, and sigma_i its standard
-deviation, for which a quarter of the band of the file is taken. Without a band it is unknown: then
-sigma_i is the range of the curve, and s^2 has no lower bound. The interval of a parameter at 95 %
-is the quantile t of Student times the root of the diagonal of C. Parameters whose correlation in C
-exceeds `ALIKE` cannot be told apart.
+deviation, a quarter of the band of the file. Without a band it is unknown: then sigma_i is the
+range of the curve, and s^2 has no lower bound. The interval of a parameter at 95 % is the quantile
+t of Student times the root of the diagonal of C. Parameters whose correlation in C exceeds `ALIKE`
+cannot be told apart.
 
 The steps are those of Gauss and Newton in a trust region, with bounds [Branch1999]. J is by
 differences of runs, which all run at the same time.

@@ -102,11 +102,12 @@ class Explicit:
     it carries the output at its beginning, or extrapolated ones with a predictor. Both are held
     over the macro step, so that errors are of first order in the macro step.
 
-    Stable only where the coupling is weak. The run stops if the residual, which is the change of
-    the wires against the order, grows in RISES successive macro steps by LARGEST_GROWTH and is
-    more than half of the values, or in a loop doubles in each of them. The run warns once if it
-    grows by as much as LARGEST_GROWTH with breaks, or less in a loop without a break. It also warns
-    if the residual of a loop changes its sign without damping, or grows by a constant factor.
+    Stable only where the coupling is weak. The residual is the change of the wires against the
+    order. The run stops if the residual grows in RISES successive macro steps by LARGEST_GROWTH
+    and is more than half of the values. It also stops if that of a loop doubles in each of them.
+    The run warns once if the residual grows by as much as LARGEST_GROWTH with breaks, or less in a
+    loop without a break. It also warns if the residual of a loop changes its sign without damping,
+    or grows by a constant factor.
     """
 
     def memory(self) -> Growth:
