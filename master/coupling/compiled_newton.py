@@ -197,9 +197,22 @@ class Iteration:
         count = self.owned.count if self.owned else 0
         if owner != NOWHERE:
             self.layout = with_coordinates(self.layout, count)
-        newton, wires = method.newton, len(interface.wires)
         rows = self._rows(count)
-        setup = CoupledSetup(
+        self.block = self._block(self._setup(method.newton, rows, owner), rows[-1])
+        self.state = parts_of(self.block).state
+        self.pairs, self.scale = state_from(self.state).pairs, state_from(self.state).scale
+        self.x = np.empty(len(self.layout.nominal))
+        self.numbers = np.zeros(NOTED + method.newton.max_iterations * len(interface.wires))
+        self.called = (Called * len(rows))(*map(self._called, self.names))
+        self._lengths = np.array([self.x.size, 0, self.block.size, self.numbers.size])
+        arrays = self.x, self.block, self.numbers, self._lengths
+        pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
+        self._run = lambda: method.run(self.called, ctypes.c_size_t(len(rows)), *pointers)
+
+    def _setup(self, newton: Newton, rows: list[ParticipantRow], owner: int) -> CoupledSetup:
+        """Return what the machine code knows about participants, wires and method."""
+        wires = range(len(self.interface.wires))
+        return CoupledSetup(
             Rules(
                 *(0.0, 0.0, 0.0, 1, 0),  # Python steps
                 newton.max_iterations,
@@ -213,26 +226,21 @@ class Iteration:
             order=np.arange(len(rows), dtype=float),
             starting=np.zeros(0),
             participants=np.array([np.array(row, float) for row in rows]),
-            wires=np.array([np.array(self._wire(k), float) for k in range(wires)]),
+            wires=np.array([np.array(self._wire(k), float) for k in wires]),
             exposed=ExposedVariables(*np.zeros((len(ExposedVariables._fields), 0, 0))),
             contents=np.zeros(0),
         )
-        lengths, unsaved = lengths_of(setup, rows[-1].memory + rows[-1].memories, 0)
+
+    def _block(self, setup: CoupledSetup, last: ParticipantRow) -> np.ndarray:
+        """Return the memory with its setup, and a state in which nothing is known."""
+        lengths, unsaved = lengths_of(setup, last.memory + last.memories, 0)
         first = memory_of(
             {"setup": row_of(setup)}, dict(zip(CoupledMemory._fields[1:], lengths)), unsaved
         )
-        self.block = np.zeros(int(first[0]))
-        self.block[: len(first)] = first
-        self.state = parts_of(self.block).state
-        self.state[:] = row_of(nothing_yet(setup))
-        self.pairs, self.scale = state_from(self.state).pairs, state_from(self.state).scale
-        self.x = np.empty(len(self.layout.nominal))
-        self.numbers = np.zeros(NOTED + newton.max_iterations * wires)
-        self.called = (Called * len(rows))(*map(self._called, self.names))
-        self._lengths = np.array([self.x.size, 0, self.block.size, self.numbers.size])
-        arrays = self.x, self.block, self.numbers, self._lengths
-        pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
-        self._run = lambda: method.run(self.called, ctypes.c_size_t(len(rows)), *pointers)
+        block = np.zeros(int(first[0]))
+        block[: len(first)] = first
+        parts_of(block).state[:] = row_of(nothing_yet(setup))
+        return block
 
     def _owner(self, parts: Mapping[str, NativePart]) -> tuple[int, Coordinates | None]:
         """Return the participant whose coordinates determine all unknowns, and these."""

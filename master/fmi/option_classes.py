@@ -9,6 +9,7 @@ import re
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
+from functools import cache
 from itertools import takewhile
 from typing import Annotated, Any, TypeGuard, TypeVar, cast, get_args
 
@@ -85,7 +86,7 @@ def without_flags(value: Any, kind: Any) -> Any:
 
     pydantic would read true as 1.
     """
-    kinds = set(_kinds(kind))
+    kinds = _kinds(kind)
     if isinstance(value, bool):
         return str(value).lower() if kinds & NUMBERS and not kinds & ANYTHING else value
     if isinstance(value, list):
@@ -100,12 +101,11 @@ def without_flags(value: Any, kind: Any) -> Any:
     return {key: without_flags(one, fields.get(key, kind)) for key, one in table.items()}
 
 
-def _kinds(kind: Any) -> Iterator[Any]:
-    """Yield a type and the types in it."""
-    yield kind
-    for one in get_args(kind):
-        if isinstance(one, Hashable):
-            yield from _kinds(one)
+@cache
+def _kinds(kind: Any) -> frozenset[Any]:
+    """Return a type and the types in it."""
+    inner = (_kinds(one) for one in get_args(kind) if isinstance(one, Hashable))
+    return frozenset({kind}).union(*inner)
 
 
 def sentences(error: ValidationError, kind: type[BaseModel]) -> list[str]:
