@@ -6,7 +6,7 @@ cylinder: its acceleration at the crank axis, its angular acceleration and veloc
 
 from typing import NamedTuple
 
-from ...master.fmi.compiled import compiled, packed
+from ...master.fmi.compiled import compilable, packed
 
 
 class Carrier(NamedTuple):
@@ -32,7 +32,7 @@ FIXED = Carrier(0.0, 0.0, 0.0, 0.0)
 """A block that does not move."""
 
 
-@compiled
+@compilable
 def transport(carrier: Carrier, x: float, y: float, vx: float, vy: float) -> tuple[float, float]:
     """Return the part of a point's acceleration that comes from the block's motion.
 

@@ -31,7 +31,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...master.fmi.compiled import compiled, packed
+from ...master.fmi.compiled import compilable, packed
 
 
 class PinFriction(NamedTuple):
@@ -75,7 +75,7 @@ class PinMoment(NamedTuple):
     by_slip: float
 
 
-@compiled
+@compilable
 def friction_moment(friction: PinFriction, pin_x: float, pin_y: float, slip: float) -> PinMoment:
     """Return the moment of the pin on the piston, and its slopes.
 

@@ -61,7 +61,7 @@ def numbered(*names: str) -> Any:
 
 
 def packed(kind: Any, *others: str) -> tuple[Any, Any]:
-    """Return kernels that store the numbers of a named tuple in an array and restore it.
+    """Return functions that store the numbers of a named tuple in an array and restore it.
 
     They are (array, tuple) and (array, *others). `others` are the fields that are not numbers. The
     cache has them under the file of the named tuple.
@@ -76,7 +76,7 @@ def packed(kind: Any, *others: str) -> tuple[Any, Any]:
     importable = getattr(module, kind.__name__, None) is kind  # else no cache can name its type
     scope: dict[str, Any] = {"kind": kind, "__name__": kind.__module__}
     exec(compile(text, str(module.__file__) if importable else "<string>", "exec"), scope)
-    return compiled(scope[put]), compiled(scope[made])
+    return compilable(scope[put]), compilable(scope[made])
 
 
 class Kernel(Generic[Given, Result]):

@@ -7,6 +7,7 @@ import dataclasses
 import json
 
 import numpy as np
+import pytest
 
 from piston_cosim.fmu_mfbd.dynamics.build_options import (
     BlockOptions,
@@ -16,8 +17,10 @@ from piston_cosim.fmu_mfbd.dynamics.build_options import (
     PistonOptions,
 )
 from piston_cosim.fmu_mfbd.dynamics.start_state import StartState
-from piston_cosim.fmu_mfbd.native import INTEGERS
+from piston_cosim.fmu_mfbd.native import INTEGERS, setup_row
 from piston_cosim.fmu_mfbd.reduction.reduced_body import save
+from piston_cosim.fmu_mfbd.slave import Mfbd
+from piston_cosim.master.fmi.compiled import Kernel
 
 from .pin_models import (
     BLOCK_MODES,
@@ -126,3 +129,12 @@ def test_parameters_that_do_not_fit_are_told_in_the_words_of_the_slave(tmp_path)
     wrong = zeros | dict.fromkeys(friction, 0.5) | dict(pin_radius=19e-3)
     of_python, of_machine = side_by_side(folder, VALUES | wrong)
     assert of_machine == of_python and len(of_python) == 10
+
+
+@pytest.mark.parametrize("floats", [True, False])
+def test_a_native_start_calls_no_kernel_from_python(tmp_path, monkeypatch, floats):
+    """A release contains the library, and not the kernels that Python calls."""
+    slave = Mfbd(instance_name="one", resources=built(tmp_path, floats=floats, shapes=4 * floats))
+    called = property(lambda kernel: pytest.fail(f"compiles {kernel.__name__}"))
+    monkeypatch.setattr(Kernel, "dispatcher", called)
+    assert len(setup_row(slave)) > 0
