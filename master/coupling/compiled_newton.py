@@ -337,7 +337,7 @@ class Iteration:
             one.note_written(ends.written)
         if self.owned:
             now = self.x[wires:].copy()
-            memory.past = [*memory.past, (time + step, now)][-self.predicted :]
+            memory.past = [*memory.past, (time + step, now)][-self.predicted - 1 :]
         history = tuple(map(max, trail))
         return Solution(self.x[:wires].copy(), history, evaluations - 1, products)
 
@@ -351,11 +351,12 @@ class Iteration:
     def _guess(self, macro_step: MacroStep, memory: RecycledGmres) -> np.ndarray:
         """Return the coordinates at the end of a step, extrapolated as the wires.
 
-        The memory may hold those of steps that were rejected later. It then lacks those at the
-        begin, which are read.
+        The memory may end with those of a step that was rejected later, so it holds one more. If
+        it lacks those at the begin, they are read.
         """
         time, step = macro_step.time, macro_step.step
-        memory.past = [one for one in memory.past if one[0] <= time + NEAR * step]
+        known = [one for one in memory.past if one[0] <= time + NEAR * step]
+        memory.past = known[-self.predicted :]
         if not memory.past or memory.past[-1][0] < time - NEAR * step:
             assert self.owned
             memory.past = [(time, self.owned.read(macro_step.saved))]
