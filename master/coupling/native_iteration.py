@@ -42,10 +42,6 @@ SMALL_RESIDUAL = 300.0
 """Residual over its tolerance at which the first update of a step has rough products. They leave a
 three-hundredth of it. Where surfaces touch, further rough updates do not converge.
 """
-OF_GUESS = 10.0
-"""Weight of the residual of a first guess in coordinates. These follow the motion so closely that
-extrapolations of accepted guesses would drift by the tolerance.
-"""
 LEAST = 1e-6
 """Scale of coordinates that move no film, over the largest scale."""
 
@@ -172,8 +168,6 @@ def evaluate(step: Step, x: np.ndarray):
             begin = end
     if is_answered:
         step.evaluations[0] = k + 1.0
-        if k == 0 and step.system.owner >= 0:
-            measure *= OF_GUESS
     return Answer(at, measure, tolerance)
 
 
@@ -350,7 +344,7 @@ def coordinate_update(step: Step, answer: Answer, rules: Rules, layout: Layout, 
             return Update(change, count, False)
         right += values * system.scale
     goal = Goal(rules.forcing * length(right), np.inf)
-    is_small = answer.measure <= SMALL_RESIDUAL * OF_GUESS and step.evaluations[0] <= 1.0
+    is_small = answer.measure <= SMALL_RESIDUAL and step.evaluations[0] <= 1.0
     linear = CoordinateSystem(step, values, limits, ROUGH if is_small else EXACT)
     most = rules.largest_krylov_space
     # Eq. (Q13)

@@ -115,6 +115,16 @@ def test_nan_is_never_accepted():
         solve(Newton(), load=np.nan)
 
 
+@pytest.mark.parametrize("share, most, evaluations", [(0.05, 20, 1), (0.5, 20, 2), (0.5, 1, 1)])
+def test_newton_accepts_a_first_guess_at_a_tenth_of_the_tolerance(share, most, evaluations):
+    """The load moves the masses by a share of the tolerance; with one evaluation there is no other.
+
+    The film amplifies what is left of it, so that guesses from accepted guesses would drift.
+    """
+    load = share * 1e-9 * MASS
+    assert len(solve(Newton(max_iterations=most), load=load).history) == evaluations
+
+
 class Link(Toy):
     """y = 1 + u / 1000, without derivatives."""
 

@@ -23,6 +23,12 @@ ODD = 0.1
 leaves."""
 
 
+OF_GUESS = 0.1
+"""Measure up to which a first guess is accepted. Guesses that are extrapolated from accepted ones
+drift by the tolerance, and a film answers its correction in a short step by a high pressure.
+"""
+
+
 class Failures(NamedTuple):
     """Numbers of the failures, as ordered in `SENTENCES`."""
 
@@ -239,6 +245,7 @@ def converge(
         First argument of both.
     guess : ndarray, shape (size,)
     rules : Newton, or native_block.Rules
+        With one evaluation at most, a guess is accepted as every other iterate.
     layout : Layout
     pairs : Pairs
         Updated.
@@ -254,7 +261,9 @@ def converge(
     count = 1
     products = 0
     failure = NONE
-    while not answer.measure <= 1.0:
+    accepted = OF_GUESS if rules.max_iterations > 1 else 1.0
+    while not answer.measure <= accepted:
+        accepted = 1.0
         failure = failure_of(answer.at.outputs, history[:count], rules.max_iterations)
         if failure != NONE:
             break
@@ -267,7 +276,7 @@ def converge(
         answer = evaluate(step, moved(layout, answer.at.used, change))
         history[count] = answer.measure
         count += 1
-    is_converged = 0.0 <= answer.measure <= 1.0
+    is_converged = 0.0 <= answer.measure <= accepted
     return Iterated(
         at=answer.at,
         history=history[:count],
