@@ -211,6 +211,15 @@ def scalar_update(derivative: Any, step: Any, at: Evaluation, layout: Layout):
 
 
 @compilable
+def accepted_of(evaluations: int, most: int):
+    """Return the measure up to which the last of some evaluations is accepted, of `most` at most.
+
+    With one evaluation at most, a guess is accepted as every other iterate.
+    """
+    return OF_GUESS if evaluations == 1 and most > 1 else 1.0
+
+
+@compilable
 def failure_of(outputs: Array, history: Array, most: int):
     """Return the number of the reason to end an iteration without a solution, or `NONE`."""
     last = history[-1]
@@ -245,7 +254,6 @@ def converge(
         First argument of both.
     guess : ndarray, shape (size,)
     rules : Newton, or native_block.Rules
-        With one evaluation at most, a guess is accepted as every other iterate.
     layout : Layout
     pairs : Pairs
         Updated.
@@ -261,9 +269,7 @@ def converge(
     count = 1
     products = 0
     failure = NONE
-    accepted = OF_GUESS if rules.max_iterations > 1 else 1.0
-    while not answer.measure <= accepted:
-        accepted = 1.0
+    while not answer.measure <= accepted_of(count, rules.max_iterations):
         failure = failure_of(answer.at.outputs, history[:count], rules.max_iterations)
         if failure != NONE:
             break
@@ -276,7 +282,7 @@ def converge(
         answer = evaluate(step, moved(layout, answer.at.used, change))
         history[count] = answer.measure
         count += 1
-    is_converged = 0.0 <= answer.measure <= accepted
+    is_converged = 0.0 <= answer.measure <= accepted_of(count, rules.max_iterations)
     return Iterated(
         at=answer.at,
         history=history[:count],

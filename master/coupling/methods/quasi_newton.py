@@ -7,6 +7,7 @@ import numpy as np
 
 from ..interface import Interface
 from ..vector import moved
+from .iteration import accepted_of
 from .krylov import RecycledGmres
 from .newton import Newton
 from .probing import ProbedStep
@@ -71,7 +72,7 @@ class QuasiNewton:
         while True:
             at = macro_step.evaluate(x)
             history.append(interface.measure(at.residual, at.outputs))
-            converged = history[-1] <= 1.0
+            converged = history[-1] <= accepted_of(len(history), self.max_iterations)
             if not converged:
                 check_finite(interface, at, history)
             point = at.used[feedback] / scale

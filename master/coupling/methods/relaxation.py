@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..vector import moved
+from .iteration import accepted_of
 from .solution import NotConverged, Solution, Tried, check_finite
 
 
@@ -44,7 +45,7 @@ class Relaxation:
         history = [interface.measure(at.residual, at.outputs)]
         factor = self.factor
         previous = None
-        while history[-1] > 1.0 or np.isnan(history[-1]):
+        while not history[-1] <= accepted_of(len(history), self.max_iterations):
             check_finite(interface, at, history)
             if len(history) == self.max_iterations:
                 raise NotConverged(
