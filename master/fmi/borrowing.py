@@ -12,6 +12,8 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
+from .references import is_referenced, pointer_of, remove_unused, value_at
+
 compiler: Any = import_module("numba.core.compiler")
 ir: Any = import_module("numba.core.ir")
 machinery: Any = import_module("numba.core.compiler_machinery")
@@ -23,33 +25,75 @@ types: Any = import_module("numba.core.types")
 PARTS = ("getattr", "static_getitem")
 """Operations that take a part of a tuple."""
 
+Path = tuple[int, ...]
+
 
 class BorrowingLower(numba_lowering.Lower):
     """Translation of numba's code to LLVM.
 
     borrowed : names of the variables without counts.
+    paths : number of the argument, and positions of the part in it, of each variable in it.
     """
 
     builder: Any
+    fnargs: Any
     func_ir: Any
-    loadvar: Any
     typeof: Any
     borrowed: frozenset[str] = frozenset()
+    paths: dict[str, Path]
     counts = True
     """Whether the instruction that is translated counts references."""
 
     def pre_lower(self) -> None:
         """Find the borrowed variables before the first instruction."""
         numba_lowering.Lower.pre_lower(self)
+        self.paths = {}
+        self.parts: dict[Path, Any] = {}
         if self.generator_info is None:
-            self.borrowed = self._borrowed()
+            values: dict[str, list[Any]] = {}
+            for block in self.func_ir.blocks.values():
+                for one in block.find_insts(ir.Assign):
+                    values.setdefault(one.target.name, []).append(one.value)
+            self.borrowed = self._borrowed(values)
+            single = {name: values[name][0] for name in self.borrowed if len(values[name]) == 1}
+            found = {name: self._path(name, single) for name in single}
+            self.paths = {name: path for name, path in found.items() if path}
 
-    def _borrowed(self) -> frozenset[str]:
+    def post_lower(self) -> None:
+        """Remove values that nothing uses after the last instruction."""
+        remove_unused(self.builder.function, [*self.parts.values(), *self.fnargs])
+        numba_lowering.Lower.post_lower(self)
+
+    def _path(self, name: str, values: dict[str, Any]) -> Path:
+        """Return the path of a borrowed variable, empty if no argument by reference has it."""
+        value = values.get(name)
+        if isinstance(value, ir.Arg):
+            return (value.index,) if is_referenced(self.fnargs[value.index]) else ()
+        if isinstance(value, ir.Var):
+            return self._path(value.name, values)
+        whole = self._path(value.value.name, values) if value else ()
+        if not whole or value.op == "exhaust_iter":
+            return whole
+        return *whole, _position(self.typeof(value.value.name), value)
+
+    def _part(self, path: Path) -> Any:
+        """Return the value at a path."""
+        argument, *positions = path
+        if not positions:
+            return self.fnargs[argument]
+        if path not in self.parts:
+            pointer = pointer_of(self.fnargs[argument])
+            self.parts[path] = value_at(self.builder, pointer, positions)
+        return self.parts[path]
+
+    def loadvar(self, name: str) -> Any:
+        """Return the value of a variable."""
+        if name in self.paths:
+            return self._part(self.paths[name])
+        return numba_lowering.Lower.loadvar(self, name)
+
+    def _borrowed(self, values: dict[str, list[Any]]) -> frozenset[str]:
         """Return the largest set of variables that are arguments or parts of others of the set."""
-        values: dict[str, list[Any]] = {}
-        for block in self.func_ir.blocks.values():
-            for one in block.find_insts(ir.Assign):
-                values.setdefault(one.target.name, []).append(one.value)
         names = frozenset(values)
         while True:
             left = frozenset(
@@ -84,15 +128,25 @@ class BorrowingLower(numba_lowering.Lower):
             name = inst.target.name
         elif isinstance(inst, ir.Del):
             name = inst.value
+        if name in self.paths:
+            return
         self.counts = name not in self.borrowed
         numba_lowering.Lower.lower_inst(self, inst)
         self.counts = True
 
     def lower_expr(self, resty: Any, expr: Any) -> Any:
         """Translate an expression; numba itself would count the part of a tuple."""
-        if self.counts or expr.op not in PARTS:
+        if expr.op not in PARTS:
             return numba_lowering.Lower.lower_expr(self, resty, expr)
         name = expr.value.name
+        whole = self.typeof(name)
+        if name in self.paths and (position := _position(whole, expr)) is not None:
+            if whole[position] == resty:
+                value = self._part((*self.paths[name], position))
+                self.incref(resty, value)
+                return value
+        if self.counts:
+            return numba_lowering.Lower.lower_expr(self, resty, expr)
         return self.builder.extract_value(self.loadvar(name), _position(self.typeof(name), expr))
 
     def incref(self, typ: Any, val: Any) -> None:
