@@ -17,6 +17,7 @@ from functools import cache, cached_property, partial
 from importlib import import_module
 from typing import Any
 
+from . import quick_typing  # noqa: F401
 from .borrowing import BorrowingCompiler
 
 _dynfunc: Any = import_module("numba._dynfunc")

@@ -98,7 +98,7 @@ class Kernel(Generic[Given, Result]):
         """numba's dispatcher for calls from Python."""
         from .callees import EntryCompiler
 
-        return self._made(self._kept, pipeline_class=EntryCompiler)
+        return self._made(self._kept, pipeline_class=EntryCompiler, no_cfunc_wrapper=True)
 
     @cached_property
     def callee(self) -> Any:

@@ -99,6 +99,22 @@ def _count(model: Any) -> int:
     return sum(_count(one) for one in inner) if isinstance(model, models.StructModel) else 1
 
 
+def _whole(convert: Any) -> Any:
+    """Return a conversion of numba that leaves values as they are if memory has the same type."""
+
+    def converted(model: Any, builder: Any, value: Any) -> Any:
+        same = model.__dict__.get("is_same")
+        if same is None:
+            same = model.is_same = model.get_value_type() == model.get_data_type()
+        return value if same else convert(model, builder, value)
+
+    return converted
+
+
+for _name in ("as_data", "as_return"):
+    setattr(models.StructModel, _name, _whole(getattr(models.StructModel, _name)))
+
+
 def _register(kind: Any, model: Any) -> None:
     """Use a model for large named tuples of this tree; numba caches kernels of others."""
     manager = registry.default_manager
