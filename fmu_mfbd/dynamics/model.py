@@ -270,8 +270,9 @@ class PistonInBore:
         self._reject_unused(inputs)
         step_inputs = stacked(inputs)
         model = self.model
-        walls = self.system.surfaces, model.cold, model.radii, model.settings
-        warm_walls(*walls, step_inputs.fields)
+        if len(step_inputs.fields.skirt) or len(step_inputs.fields.bore):
+            walls = self.system.surfaces, model.cold, model.radii, model.settings
+            warm_walls(*walls, step_inputs.fields)
         others = others_at(self.model, step_inputs, crank)
         step = problem_of(c, before, crank, others)
         now = self._instant(step, step_inputs, inputs)

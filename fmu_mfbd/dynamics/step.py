@@ -256,7 +256,9 @@ def warmth_at(
     skirt = level_of(inputs.fields.skirt, inputs.piston_temperature)
     bore = level_of(inputs.fields.bore, inputs.bore_temperature)
     opening = thermal_opening(model.radii, skirt, bore, p)
-    growth = field_growth(surfaces, model.radii, p, inputs.fields)
+    growth = np.zeros(0)
+    if len(inputs.fields.skirt) or len(inputs.fields.bore):
+        growth = field_growth(surfaces, model.radii, p, inputs.fields)
     force = inputs.skirt.pressure
     work = growth_work(force, opening - before.thermal_opening)
     if len(growth) > 0 and len(before.field_growth) > 0:

@@ -102,7 +102,8 @@ class CalleeLibrary(EntryLibrary):
         manager = passes.getFunctionPassManager()
         manager.add_refprune_pass()
         for function in ll_module.functions:
-            manager.run(function, passes)
+            if not function.is_declaration:
+                manager.run(function, passes)
 
     def _optimize_final_module(self) -> None:
         """Do nothing; the entry optimises it."""
