@@ -66,15 +66,16 @@ class BorrowingLower(numba_lowering.Lower):
 
     def _path(self, name: str, values: dict[str, Any]) -> Path:
         """Return the path of a borrowed variable, empty if no argument by reference has it."""
-        value = values.get(name)
+        value: Any = values.get(name)
+        if value is None:
+            return ()
         if isinstance(value, ir.Arg):
             return (value.index,) if is_referenced(self.fnargs[value.index]) else ()
         if isinstance(value, ir.Var):
             return self._path(value.name, values)
-        whole = self._path(value.value.name, values) if value else ()
-        if not whole or value.op == "exhaust_iter":
-            return whole
-        return *whole, _position(self.typeof(value.value.name), value)
+        whole = self._path(value.value.name, values)
+        position = _position(self.typeof(value.value.name), value)
+        return (*whole, position) if whole and position is not None else whole
 
     def _part(self, path: Path) -> Any:
         """Return the value at a path."""

@@ -17,7 +17,7 @@ from functools import cache, cached_property, partial
 from importlib import import_module
 from typing import Any
 
-from . import quick_typing  # noqa: F401
+from . import quick_typing
 from .borrowing import BorrowingCompiler
 
 _dynfunc: Any = import_module("numba._dynfunc")
@@ -27,6 +27,8 @@ compiler: Any = import_module("numba.core.compiler")
 JITCodeLibrary: Any = import_module("numba.core.codegen").JITCodeLibrary
 
 bytecode.FunctionIdentity._unique_ids = iter(partial(secrets.randbits, 62), -1)
+
+quick_typing.use()
 
 LLVM: Any = import_module("numba.core.codegen").ll
 """llvmlite, as numba imports it."""

@@ -18,49 +18,47 @@ PLAIN = frozenset((str, int, float, bool, type(None), ir.Loc))
 """Types of what an instruction contains next to variables."""
 
 
-class Options(targetconfig.TargetConfig):
-    """Comparison of options by those that are set."""
-
-    _values: dict[str, Any]
-
-    def __eq__(self, other: object) -> bool:
-        if type(self) is type(other) and self._values == other._values:
-            return True
-        return _equal(self, other)
-
-    def __hash__(self) -> int:
-        return hash(type(self))  # numba's own hash is that of the names of all options
+def equal_options(self: Any, other: Any) -> Any:
+    """Return whether options are equal; compare those that are set first."""
+    if type(self) is type(other) and self._values == other._values:
+        return True
+    return _equal(self, other)
 
 
-_equal: Callable[..., bool] = targetconfig.TargetConfig.__eq__
+def options_hash(self: Any) -> int:
+    """Return the hash of a kind of options; numba's own is that of the names of all options."""
+    kind: Any = self.__class__
+    return hash(kind)
 
 
 def variables(self: Any, value: Any) -> list[Any]:
     """Return the variables in a part of an instruction, in the order of numba."""
-    kind: Any = type(value)
+    kind: Any = value.__class__
     if kind in PLAIN:
         return []
     if kind is ir.Var:
         return [value]
-    if isinstance(value, dict):
-        value = value.values()
-    elif not isinstance(value, (list, tuple)):
+    parts: Any = value.values() if kind is dict else value
+    if kind not in (dict, list, tuple):
         return _variables(self, value)
-    return [one for part in value for one in variables(self, part)]
+    return [one for part in parts for one in variables(self, part)]
 
 
+_equal: Callable[..., Any] = targetconfig.TargetConfig.__eq__
 _variables: Callable[..., list[Any]] = ir.Inst._rec_list_vars
 
 
 def call_type(self: Any, context: Any, args: Any, kws: Any) -> Any:
     """Return the signature of a function of numba for arguments of given types."""
     flags = targetconfig.ConfigStack.top_or_none()
-    known = self.__dict__.setdefault("known_signatures", {})
-    key = context, tuple(args), tuple(kws.items()), len(self.templates), flags
-    if key not in known:
-        known[key] = _call_type(self, context, args, kws)
-    return known[key]
+    key = self, context, tuple(args), tuple(kws.items()), len(self.templates), flags
+    if key not in SIGNATURES:
+        SIGNATURES[key] = _call_type(self, context, args, kws)
+    return SIGNATURES[key]
 
+
+SIGNATURES: dict[tuple[Any, ...], Any] = {}
+"""Known signatures. A type must not contain them, because caches on disk contain types."""
 
 _call_type: Callable[..., Any] = functions.BaseFunction.get_call_type
 
@@ -69,13 +67,10 @@ def use() -> None:
     """Replace numba's functions."""
     if functions.BaseFunction.get_call_type.__name__ == call_type.__name__:
         return  # another tree has done it
-    targetconfig.TargetConfig.__eq__ = Options.__eq__
-    targetconfig.TargetConfig.__hash__ = Options.__hash__
+    targetconfig.TargetConfig.__eq__ = equal_options
+    targetconfig.TargetConfig.__hash__ = options_hash
     ir.Inst._rec_list_vars = variables
     functions.BaseFunction.get_call_type = call_type
-    scheme: Any = type(errors.termcolor())
+    scheme: Any = errors.termcolor().__class__
     if hasattr(scheme, "_markup"):  # colours of messages, although nobody reads most of them
         scheme._markup = lru_cache(maxsize=1000)(scheme._markup)
-
-
-use()
