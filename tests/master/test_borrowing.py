@@ -1,4 +1,7 @@
-"""Kernels that borrow their arguments keep and free arrays as numba's own do."""
+"""Kernels that borrow their arguments keep and free arrays as numba's own do.
+
+The tuples here are passed by reference like those of the package.
+"""
 
 import gc
 from importlib import import_module
@@ -6,8 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from numba import njit
+from numba import njit, typeof
 
+from piston_cosim.master.fmi import references
 from piston_cosim.master.fmi.compiled import compiled
 
 nrt: Any = import_module("numba.core.runtime._nrt_python")
@@ -27,6 +31,14 @@ class Tree(NamedTuple):
     pair: Pair
     row: np.ndarray
     parts: tuple[np.ndarray, np.ndarray]
+
+
+@pytest.fixture(autouse=True, scope="module")
+def by_reference():
+    """Count the tuples of this file among those of the package."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(references, "ROOT", __name__.partition(".")[0])
+        yield
 
 
 @compiled
@@ -86,3 +98,45 @@ def test_arrays_live_as_long_as_they_are_used_and_no_longer(count):
     gc.collect()
     after = runtime.get_allocation_stats()
     assert after.alloc - before.alloc == after.free - before.free > 0
+
+
+def test_only_large_tuples_are_passed_by_reference():
+    """An array is seven numbers; numba passes each of a small tuple as an argument of its own."""
+    tree = arguments()
+    large, small = (references.registry.default_manager[typeof(one)] for one in (tree, tree.pair))
+    assert large.get_argument_type().is_pointer
+    assert len(small.get_argument_type()) == 2
+
+
+class Mixed(NamedTuple):
+    """Tuple of numbers of all kinds, in memory as a kernel has them."""
+
+    row: np.ndarray
+    is_first: bool
+    count: int
+    share: float
+    tree: Tree
+
+
+@compiled
+def changed(mixed, turns):
+    """Return a tuple that each turn makes from the one before."""
+    for k in range(turns):
+        mixed = Mixed(mixed.row + k, not mixed.is_first, mixed.count + 1, sum_of(mixed), mixed.tree)
+    return mixed
+
+
+@compiled
+def sum_of(mixed):
+    """Return a sum over all parts."""
+    row, is_first, count, share, tree = mixed
+    return row[0] + (0.5 if is_first else 0.25) + count + share + callee(tree)[1]
+
+
+@pytest.mark.parametrize("turns", [0, 1, 3])
+def test_a_tuple_that_changes_in_a_loop_is_passed_as_it_is_then(turns):
+    mixed = Mixed(np.arange(3.0), True, 7, 0.125, arguments())
+    ours, wanted = changed(mixed, turns), changed.py_func(mixed, turns)
+    assert np.array_equal(ours.row, wanted.row)
+    assert ours[1:4] == wanted[1:4]
+    assert sum_of(ours) == sum_of.py_func(wanted)
