@@ -62,10 +62,15 @@ def exchanged(tree, count):
     return pair, kept, Tree(pair, tree.pair.a, (part, filling))
 
 
+@njit
+def full(value):
+    """Return an array that numba has allocated, so that it counts it."""
+    return np.full(3, value)
+
+
 def arguments():
-    """Return a tree of arrays that numba has allocated, so that it counts them."""
-    made = njit(lambda k: np.full(3, float(k)))
-    one, two, row, left, right = (made(k) for k in range(5))
+    """Return a tree of such arrays."""
+    one, two, row, left, right = (full(float(k)) for k in range(5))
     return Tree(Pair(one, two), row, (left, right))
 
 
