@@ -176,6 +176,7 @@ class ActiveRun(Observer):
         self.tree = tree
         self.output = output
         self.watch, self.log_period = watch, log
+        self.may_end = [one for one in system.participants.values() if hasattr(one, "ended")]
         self.steps = round((system.stop - system.begin) / system.step)
         self.steps_of_period = round(system.period / system.step)
         self.stepper = Stepper(
@@ -389,9 +390,9 @@ class ActiveRun(Observer):
             self.stepper.advance(time, step)
         except Finished as wish:
             return str(wish)
-        for participant in self.system.participants.values():
-            if ended := getattr(participant, "ended", ""):
-                return ended
+        for participant in self.may_end:
+            if participant.ended:
+                return participant.ended
         return ""
 
     def is_due(self, steps):

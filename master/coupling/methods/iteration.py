@@ -269,7 +269,9 @@ def converge(
     count = 1
     products = 0
     failure = NONE
-    while not answer.measure <= accepted_of(count, rules.max_iterations):
+    accepted = accepted_of(count, rules.max_iterations)
+    while not answer.measure <= accepted:
+        accepted = 1.0
         failure = failure_of(answer.at.outputs, history[:count], rules.max_iterations)
         if failure != NONE:
             break
@@ -282,7 +284,7 @@ def converge(
         answer = evaluate(step, moved(layout, answer.at.used, change))
         history[count] = answer.measure
         count += 1
-    is_converged = 0.0 <= answer.measure <= accepted_of(count, rules.max_iterations)
+    is_converged = 0.0 <= answer.measure <= accepted
     return Iterated(
         at=answer.at,
         history=history[:count],
