@@ -299,6 +299,6 @@ def sweep(
     combinations = [dict(zip(vary, values)) for values in itertools.product(*vary.values())]
     points = for_all(lambda values: sweeps.Point(values, case.changed(values).tree), combinations)
     folder = Path(output or Path("results") / f"sweep_{case.name}").absolute()
-    sweeps.build_all(sweeps.unfinished(points, folder), case.path.parent, log.info)
+    sweeps.build_all(sweeps.unfinished(points, folder, uncertainty), case.path.parent, log.info)
     with LocalPool(workers) as executor:
         return sweeps.sweep(points, case.path.parent, folder, executor, progress, uncertainty)

@@ -15,13 +15,17 @@ from .schema import Case
 
 
 def check_case(tree: dict[str, Any], path: Path) -> Case:
-    """Return the `Case` of a TOML tree; raise `BadInput` with every fault and its path."""
+    """Return the `Case` of a TOML tree; raise `BadInput` with every fault and its path.
+
+    `path` is the file of the case or its folder.
+    """
     tree = with_optional_wires(without_flags(tree, Case))
     try:
         return Case.model_validate(tree)
     except ValidationError as error:
         faults = sentences(error, Case)
-        deeper = _faults_below(tree, error, Path(path).parent)
+        folder = Path(path) if Path(path).is_dir() else Path(path).parent
+        deeper = _faults_below(tree, error, folder)
     raise BadInput([*faults, *(one for one in deeper if _key(one) not in map(_key, faults))])
 
 

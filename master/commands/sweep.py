@@ -99,7 +99,7 @@ def command(
     table = sweeps.table_for(folder, points)
     if table.stem != "sweep":
         say(f"{folder}: holds the table of another sweep; this one's is {table.name}")
-    sweeps.build_all(sweeps.unfinished(points, folder), path.parent, say)
+    sweeps.build_all(sweeps.unfinished(points, folder, uncertainty), path.parent, say)
 
     def watch(row, done, total):
         shown = "  ".join(f"{axis.name.split('.')[-1]} {row[axis.name]}" for axis in axes)

@@ -88,7 +88,7 @@ class Runs:
         for one in points if self.keeps else ():
             if not (folder / f"{one.name}.h5").exists():  # deleted, or not kept by a search
                 (folder / f"{one.name}.json").unlink(missing_ok=True)
-        waiting = sweeps.unfinished(points, self.folder)
+        waiting = sweeps.unfinished(points, self.folder, uncertainty)
         sweeps.build_all(waiting, self.path.parent, lambda text: None)
 
         def keep(rows, ended):

@@ -168,7 +168,7 @@ COMPUTED = "second_grid"
 def run_point(tree, case_folder, output, uncertainty=False):
     """Build, run and summarise one point, in any process.
 
-    `uncertainty` computes those of its figures from a second grid and doubled steps.
+    With `uncertainty`, the uncertainties of its figures come from a second grid and doubled steps.
 
     Returns
     -------
@@ -262,12 +262,11 @@ def rows_of(points, case_folder, runs, executor, keep=lambda rows, ended: None, 
     """Return the row of each point, from the folder `runs` or from a run.
 
     `keep` is called with all rows so far, by number of the point, and the numbers of those whose
-    run has just ended. Points of one name are one run.
+    run has just ended. Points with the same name share one run.
     """
     with writing(runs):
         runs.mkdir(parents=True, exist_ok=True)
-    needed = (COMPUTED,) if uncertainty else ()
-    known = (_done(runs / f"{point.name}.json", needed) for point in points)
+    known = (_done(runs / f"{point.name}.json", _needed(uncertainty)) for point in points)
     rows = {k: row for k, row in enumerate(known) if row}
     twins: dict[str, list[int]] = {}
     for k, point in enumerate(points):
@@ -318,7 +317,12 @@ def _belongs(path, axes, names):
     return set(before) == axes and all(row["results"] in names for row in rows)
 
 
-def _done(path, needed=()):
+def _needed(uncertainty):
+    """Return the entries of a row without which a point has to run again."""
+    return (COMPUTED,) if uncertainty else ()
+
+
+def _done(path, needed):
     """Return the row of a finished point, None if it has not run, has failed or is damaged.
 
     `needed` : entries without which it has to run again.
@@ -355,12 +359,13 @@ def write_table(records, path):
     return path
 
 
-def unfinished(points: list[Point], folder: Path) -> list[Point]:
-    """Return the points that are not finished in `folder`.
+def unfinished(points: list[Point], folder: Path, uncertainty: bool = False) -> list[Point]:
+    """Return the points that `sweep` would run, as they are not finished in `folder`.
 
     A row belongs to the content of the case, not to the version of the code.
     """
-    return [p for p in points if not _done(Path(folder) / "runs" / f"{p.name}.json")]
+    runs = Path(folder) / "runs"
+    return [p for p in points if not _done(runs / f"{p.name}.json", _needed(uncertainty))]
 
 
 def build_all(points: list[Point], case_folder: Path, progress: Callable[[str], object]) -> None:

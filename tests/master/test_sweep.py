@@ -62,9 +62,17 @@ def test_failures_are_rows_and_a_second_start_tries_them_again(tree, tmp_path):
     assert [row["crank_speed"] for row in table] == ["1000 rpm", "2000 rpm", "3000 rpm"]
     assert (table[0]["x"], table[2]["message"]) == ("1.0", "no step")
     assert unfinished(points, tmp_path) == points[1:]
+    assert unfinished(points, tmp_path, uncertainty=True) == points  # no row has computed ones
     again = Answering()
     assert sweep(points, PATH.parent, tmp_path, again) == rows
     assert (first.asked, again.asked) == (3, 2)
+
+
+def test_a_wrong_point_does_not_blame_the_files_of_its_case(tree, tmp_path):
+    wrong = tree | {"coupling": tree["coupling"] | {"method": "newtonn"}}
+    row = run_point(wrong, PATH.parent, tmp_path / "run.h5")
+    assert row["status"] == "bad input"
+    assert "newtonn" in row["message"] and "file" not in row["message"]
 
 
 def test_points_of_one_case_are_one_run_with_a_row_each(tree, tmp_path):
