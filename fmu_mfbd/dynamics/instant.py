@@ -11,14 +11,13 @@ from ...master.fmi.compiled import compilable, compiled
 from ..geometry.film import FilmForces, NodalForces
 from ..geometry.pin import PinForces
 from ..mechanism.bdf2 import STATIC, auxiliary_after, limit_plays, predicted_of, reach_of
-from ..mechanism.chain import BLOCK, Chain, Loads
+from ..mechanism.chain import BLOCK, MOMENT, REACTION, Chain, Loads
 from ..mechanism.cylinder import BODY, EYE, film_of, floats, piston_of
 from ..mechanism.equations import friction_at
 from ..mechanism.floating_frame import TURN, X, Y
 from ..mechanism.generalised_alpha import Motion
 from ..mechanism.impact import limit_memory, longest_step
 from ..mechanism.laws import between, from_block, law_power
-from ..mechanism.loads import MOMENT, REACTION
 from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING, Load
 from ..mechanism.slider_crank import height
 from ..mechanism.solution import Linearisation, solve_motion
@@ -214,8 +213,8 @@ def _pin_force(of, loads, own, film_power):
             out[TURN] += loads.wrench[e, REACTION]
     last, turning, rubbing = piston_of(of.chain), own.motion.velocity, film_power
     if not floats(of.chain):
-        out[X], out[Y] = own.joints[last, X], own.joints[last, Y]
-        out[TURN] = friction_at(of.chain.joints, own.motion, own.joints, last).moment
+        out[X], out[Y] = own.joint_wrench[last, X], own.joint_wrench[last, Y]
+        out[TURN] = friction_at(of.chain.joints, own.motion, own.joint_wrench, last).moment
         rubbing = out[TURN] * (turning[BODY.rod, TURN] - turning[last, TURN])
     if len(of.chain.laws.kind) > 0:
         by_laws = between(of.chain, loads, last, of.chain.joints.parent[last])

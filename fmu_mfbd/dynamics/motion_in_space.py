@@ -292,7 +292,7 @@ def imbalance(
     skirt[Y] -= y
     skirt[TURN] -= moment[TURN]
     own = forces_at(chain, loads, at, plane, FIXED)
-    on_piston = own.joints[last, :TURN].copy()
+    on_piston = own.joint_wrench[last, :TURN].copy()
     pull = on_piston + bodies.pin_mass * at.acceleration[last, :TURN]
     q = now.position
     roll, z, arm = spin.tilt[0], q[SHIFT], bodies.pin_offset + q[LATERAL]
@@ -312,7 +312,7 @@ def imbalance(
     return SpaceImbalance(
         residual=np.concatenate((own.residual, out_of_plane + holding)),
         on_piston=on_piston,
-        pin_moment=friction_at(chain.joints, at, own.joints, last).moment,
+        pin_moment=friction_at(chain.joints, at, own.joint_wrench, last).moment,
         from_rod=pull,
         out_of_plane=-holding,
         torque=own.torque,

@@ -25,11 +25,11 @@ from ..geometry.pin import (
 )
 from ..geometry.surfaces import pin_surface_at, pins_of
 from ..mechanism.bdf2 import STATIC
-from ..mechanism.chain import Chain, Loads
+from ..mechanism.chain import MOMENT, REACTION, Chain, Loads
 from ..mechanism.cylinder import EYE, floats
 from ..mechanism.floating_frame import TURN, X, Y
 from ..mechanism.generalised_alpha import Motion
-from ..mechanism.loads import MOMENT, REACTION, AppliedForces, no_forces
+from ..mechanism.loads import AppliedForces, no_forces
 from ..mechanism.modal_damping import put_damping
 from ..mechanism.motion import ChainMotion, MotionChanges
 from ..mechanism.piston_motion import Load

@@ -6,12 +6,11 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.surfaces import pins_of
-from ..mechanism.chain import BLOCK, NONE, Loads
+from ..mechanism.chain import BLOCK, NONE, REACTION, Loads
 from ..mechanism.cylinder import BODY, EYE, PIN, film_of, floats
 from ..mechanism.floating_frame import X, Y
 from ..mechanism.generalised_alpha import Motion
 from ..mechanism.laws import between
-from ..mechanism.loads import REACTION
 from .pin_shells import shapes_of
 from .system import BodySystem
 

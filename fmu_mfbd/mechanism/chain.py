@@ -29,6 +29,9 @@ IN_BLOCK, IN_PARENT = 0, 1
 LEVER, VISCOUS = map(PinFriction._fields.index, ("lever", "viscous"))
 """Columns of `Joints.friction`."""
 
+MOMENT, REACTION = 2, 3
+"""Columns of `Loads.wrench` after the force."""
+
 
 class Bodies(NamedTuple):
     """Inertia integrals (Eq. (J7)) and modal springs of n bodies, their k modes stacked.

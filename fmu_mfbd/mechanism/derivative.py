@@ -76,7 +76,7 @@ def chain_derivative(
     if len(loads.law_slopes) > 0:
         subtract_law_changes(chain, loads, at, d, change)
     _subtract_modal_changes(chain, loads, now, by, d, changes, total)
-    torque = _inward_changes(chain.joints, at, forces.joints, d, change, top)
+    torque = _inward_changes(chain.joints, at, forces.joint_wrench, d, change, top)
     for j in range(len(torque)):
         total[TURN, j] -= torque[j]
     for i in range(3):
@@ -245,7 +245,7 @@ def pushed_forces(
     for b in range(n):
         for i in range(3):
             change[b, i, 0] += push[b, i]
-    (torque,) = _inward_changes(chain.joints, at, forces.joints, still, change, top)
+    (torque,) = _inward_changes(chain.joints, at, forces.joint_wrench, still, change, top)
     residual = np.concatenate((top[:, 0], inertia.left[:, 0] - loads.modal))
     total[TURN, 0] -= torque
     for e in range(len(loads.on_shapes) if loads.on_shapes.shape[1] > 0 else 0):
@@ -277,5 +277,5 @@ def drive_inertia(chain: Chain, forces: ChainForces, now: Motion, drive: CrankMo
         for i in range(3):
             d.acceleration[b, i, 0] = rates[b, i]
     change = shaken_forces(chain.bodies, at, forces.inertia, d, FIXED).wrench
-    (torque,) = _inward_changes(chain.joints, at, forces.joints, d, change, np.zeros((m, 1)))
+    (torque,) = _inward_changes(chain.joints, at, forces.joint_wrench, d, change, np.zeros((m, 1)))
     return torque

@@ -8,7 +8,7 @@ from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Matrix, Vector
 from .angles import add_angle_row
 from .carrier import Carrier
-from .chain import LEVER, VISCOUS, Chain, Elements, Joints, Loads
+from .chain import LEVER, REACTION, VISCOUS, Chain, Elements, Joints, Loads
 from .floating_frame import TURN, X, Y
 from .generalised_alpha import Motion
 from .inertia import (
@@ -27,13 +27,13 @@ class ChainForces(NamedTuple):
     Parameters
     ----------
     residual : ndarray, shape (m + k,)
-        [N], [N m], [kg^-1/2 N]
+        Of the m coordinates of joints [N] or [N m], then of the k modes [kg^-1/2 N].
     torque : float
         Of the drive, which stands outside the block [N m].
     on_block : ndarray, shape (3,)
         Forces of joints and reactions on the block in its axes [N], and moment about its origin
         [N m].
-    joints : ndarray, shape (n, 3)
+    joint_wrench : ndarray, shape (n, 3)
         Force of the parent on each body [N], moment about the body's origin [N m]. That of a rod
         that swings contains the force that holds its tip.
     motion : ChainMotion
@@ -43,7 +43,7 @@ class ChainForces(NamedTuple):
     residual: Vector
     torque: float
     on_block: Vector
-    joints: Matrix
+    joint_wrench: Matrix
     motion: ChainMotion
     inertia: InertiaForces
 
@@ -67,12 +67,13 @@ def forces_at(
                 J_bj = dX_b/dq_j by Eqs. (K41) and (K42)
     Eq. (D62):  Q = (F_e, M_e + d x F_e)      on the body of an element
                 Q = (-F_e, M_R - l x F_e)      on that of its reaction
-                d, l from the origins of both bodies to marker and point of the element
+                d, l from the origins of both bodies to marker and point of the element;
+                with `at_point`, d is to the point
     Eq. (D63):  (F, M) = (0, 0, torque) - sum_b (F_b, X_b x F_b + M_b)      on the block
 
-    Forces between the bodies cancel in Eq. (D63). Shapes s of a bent journal add
-    s x Q to its moments. The products with J are a sweep from the last body inwards, in which each
-    body adds its force to that of its parent.
+    Forces between the bodies cancel in Eq. (D63). The moment on the block also has - s x Q of the
+    shapes s of a bent journal. The products with J are a sweep from the last body inwards, in which
+    each body adds its force to that of its parent.
 
     Parameters
     ----------
@@ -108,7 +109,12 @@ def forces_at(
     for i in range(3):
         total[i] = -total[i]  # Eq. (D63)
     return ChainForces(
-        residual=residual, torque=torque, on_block=total, joints=force, motion=at, inertia=inertia
+        residual=residual,
+        torque=torque,
+        on_block=total,
+        joint_wrench=force,
+        motion=at,
+        inertia=inertia,
     )
 
 
@@ -140,10 +146,10 @@ def subtract_loads(elements, wrench, at, force):
         force[body, Y] -= y
         force[body, TURN] -= wrench[e, TURN] + arm_x * y - arm_y * x
         if other >= 0:
-            lever = (px - at.position[other, X]) * y - (py - at.position[other, Y]) * x
+            turning = (px - at.position[other, X]) * y - (py - at.position[other, Y]) * x
             force[other, X] += x
             force[other, Y] += y
-            force[other, TURN] += lever - wrench[e, 3]
+            force[other, TURN] += turning - wrench[e, REACTION]
 
 
 @compilable
@@ -180,7 +186,10 @@ def _inwards(joints, at, force, residual):
 
 @compilable
 def friction_at(joints: Joints, at: ChainMotion, force: np.ndarray, b: int) -> PinMoment:
-    """Return the moment of friction of its parent on body b; `force` as of `ChainForces.joints`."""
+    """Return the moment of friction of its parent on body b.
+
+    `force` is as `ChainForces.joint_wrench`.
+    """
     parent = joints.parent[b]
     slip = at.velocity[b, TURN]
     if parent >= 0:

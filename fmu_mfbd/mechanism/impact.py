@@ -21,7 +21,7 @@ from .generalised_alpha import Motion
 from .piston_motion import RIGID
 
 IMPACT = 0.25
-"""Least change of acceleration in an impact, times the step, over the larger velocity at both ends.
+"""Least change of acceleration in an impact, times the step, over the larger of both velocities.
 
 A mass on a film bounces from 0.5 on. In smooth motion the share falls with the square of the step.
 """
@@ -53,7 +53,7 @@ class Inertia(NamedTuple):
     mass : float
         Of piston and pin [kg].
     moment : float
-        First moment S_y of the piston about A [kg m].
+        First moment S_y of the piston about A, which couples both motions [kg m].
     inertia : float
         I0 about A [kg m2].
     """
@@ -67,7 +67,7 @@ class Inertia(NamedTuple):
 def inertia_product(inertia: Inertia, a: np.ndarray, b: np.ndarray) -> float:
     """Return a . M b; if both are the velocity, twice the kinetic energy across the bore.
 
-    Eq. (N6):  a . M b = m a_x b_x - S_y (a_x b_t + a_t b_x) + I0 a_t b_t
+    Eq. (N6):  a . M b = m a_x b_x - S_y (a_x b_t + a_t b_x) + I0 a_t b_t      t: rocking angle
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def longest_step(
     before, end : Motion
         At both ends of the step, x_A and the rocking angle first.
     auxiliary : ndarray, shape (n,)
-        a_1, at its end.
+        a_1 of generalised-alpha at its end, the acceleration that the next step remembers.
     step : float
         h [s].
     resolution : float
@@ -130,8 +130,8 @@ def longest_step(
         jump[k] = end.acceleration[k] - before.acceleration[k]
         travel[k] = end.position[k] - before.position[k]
     size = np.sqrt(inertia.mass) * resolution
-    left = inertia_product(inertia, end.velocity, end.velocity)
-    fast = IMPACT * np.sqrt(max(inertia_product(inertia, before.velocity, before.velocity), left))
+    ended = inertia_product(inertia, end.velocity, end.velocity)
+    fast = IMPACT * np.sqrt(max(inertia_product(inertia, before.velocity, before.velocity), ended))
     steady = GROWING**2 * inertia_product(inertia, before.acceleration, before.acceleration)
     change = np.sqrt(inertia_product(inertia, jump, jump))
     if (
@@ -147,7 +147,7 @@ def longest_step(
     if known == 0.0:
         return UNLIMITED
     remembered = np.sqrt(known)
-    longest = max(KEPT * np.sqrt(left) / remembered, np.sqrt(size / remembered))
+    longest = max(KEPT * np.sqrt(ended) / remembered, np.sqrt(size / remembered))
     return min(UNLIMITED, max(step, longest))  # Eq. (N12)
 
 
@@ -174,7 +174,7 @@ def limit_memory(
     before, end : Motion
         At both ends of the step, x_A and the rocking angle first; `end` is changed.
     auxiliary : ndarray, shape (n,)
-        At its end; changed.
+        a_1 of generalised-alpha at its end; changed.
     step : float
         h [s].
 
@@ -204,9 +204,9 @@ def limit_memory(
     # Eq. (N7)
     for k in range(RIGID):
         end.velocity[k] = mean[k]
-    left = np.sqrt(inertia_product(inertia, end.velocity, end.velocity))
+    speed = np.sqrt(inertia_product(inertia, end.velocity, end.velocity))
     worth = step * np.sqrt(inertia_product(inertia, end.acceleration, end.acceleration))
-    share = min(1.0, KEPT * left / worth)
+    share = min(1.0, KEPT * speed / worth)
     for k in range(RIGID):
         end.acceleration[k] *= share
         auxiliary[k] = end.acceleration[k]

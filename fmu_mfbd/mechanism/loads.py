@@ -5,14 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable
-from .chain import Chain, Loads
+from .chain import MOMENT, REACTION, Chain, Loads
 from .equations import moment_of_shapes, point_of
 from .floating_frame import X, Y
 from .generalised_alpha import Motion
 from .motion import ChainMotion
-
-MOMENT, REACTION = 2, 3
-"""Columns of `Loads.wrench` after the force."""
 
 
 class AppliedForces(NamedTuple):

@@ -253,7 +253,7 @@ def _sizes(chain, loads, forces):
     for b in range(len(out)):
         f = frame_state(frames, b)
         climb = f.ax + f.ay
-        push = abs(forces.joints[b, X]) + abs(forces.joints[b, Y])
+        push = abs(forces.joint_wrench[b, X]) + abs(forces.joint_wrench[b, Y])
         out[b, X] = out[b, Y] = bodies.mass[b] * climb
         out[b, TURN] = (f.sx + f.sy) * climb + chain.joints.friction[b, LEVER] * push
     first = len(loads.wrench) - len(loads.law_slopes)

@@ -119,7 +119,7 @@ def test_forces_in_a_moving_block_are_lagranges(degrees):
     np.testing.assert_allclose(loaded.on_block, on_block, atol=1e-9 * size)
     # the main bearings carry the crank
     *_, x, y = block_force(load, np.zeros(2), loaded.on_block)
-    np.testing.assert_allclose([x, y], -loaded.joints[BODY.crank, :2], atol=1e-9 * size)
+    np.testing.assert_allclose([x, y], -loaded.joint_wrench[BODY.crank, :2], atol=1e-9 * size)
 
 
 def skewed(reduced, mounted, **values):

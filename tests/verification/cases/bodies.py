@@ -153,7 +153,7 @@ def guided_piston(angle: float) -> tuple[float, ...]:
         height(mechanism, 0.0, angle).height,
         out.motion.acceleration[PISTON, Y],
         -out.residual[LATERAL],
-        out.joints[PISTON, Y],
+        out.joint_wrench[PISTON, Y],
         out.torque,
     )
 
