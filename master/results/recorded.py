@@ -138,12 +138,12 @@ class Recorded:
         self.period: float = written.get("length", 0.0)
         self._turning: list[str] = written.get("turning", [])
         self._times: np.ndarray = self.file["time"][:]
-        self._since = 0
-        self._ahead = 0
+        self._first_row = 0
+        self._zero_row = 0  # whole periods before the shown ones: times and angles count from there
         if shown := written.get("shown"):
             self._show(shown)
-            passed = (self._times[self._since] - self._times[0]) / self.period
-            self._ahead = self._row(self._times[0] + floor(passed + NEAR) * self.period)
+            passed = (self._times[self._first_row] - self._times[0]) / self.period
+            self._zero_row = self._row(self._times[0] + floor(passed + NEAR) * self.period)
 
     def _row(self, time: float) -> int:
         """Return the first row at or after a time of the file [s], within round-off."""
@@ -151,9 +151,9 @@ class Recorded:
 
     def _show(self, periods: int):
         """Show the last periods, or the whole run if it is shorter than one."""
-        begin, *_, end = self._times
+        begin, end = self._times[0], self._times[-1]
         cycles = floor((end - begin) / self.period + NEAR)
-        self._since = self._row(end - min(periods, cycles) * self.period) if cycles else 0
+        self._first_row = self._row(end - min(periods, cycles) * self.period) if cycles else 0
 
     @property
     def last(self) -> Self:
@@ -168,17 +168,17 @@ class Recorded:
     def whole(self) -> Self:
         """The whole run from its start."""
         view = copy(self)
-        view._since = view._ahead = 0
+        view._first_row = view._zero_row = 0
         return view
 
     @property
     def time(self) -> np.ndarray:
         """End of every macro step shown, the start first, shape (rows,) [s]."""
-        return self._times[self._since :] - self._shift
+        return self._times[self._first_row :] - self._shift
 
     @property
     def _shift(self) -> float:
-        return float(self._times[self._ahead] - self._times[0]) if self._ahead else 0.0
+        return float(self._times[self._zero_row] - self._times[0]) if self._zero_row else 0.0
 
     @property
     def title(self) -> str:
@@ -210,9 +210,10 @@ class Recorded:
             raise BadInput(f"port: {unknown('scalar output', port, self._scalars, hint)}")
         dataset = self.file[dataset_path(port)]
         is_text = h5py.check_string_dtype(dataset.dtype)
-        values = (dataset.asstr(errors="surrogateescape") if is_text else dataset)[self._since :]
-        if port in self._turning and self._ahead:
-            values = values - (dataset[self._ahead] - dataset[0])
+        stored = dataset.asstr(errors="surrogateescape") if is_text else dataset
+        values = stored[self._first_row :]
+        if port in self._turning and self._zero_row:
+            values = values - (dataset[self._zero_row] - dataset[0])
         return Series(values, dataset.attrs["unit"], dataset.attrs["description"])
 
     @property
@@ -273,9 +274,9 @@ class Recorded:
     @property
     def _first_instant(self) -> int:
         """Index of the first recorded instant that is shown."""
-        if not self._since:
+        if not self._first_row:
             return 0
-        since = self._times[self._since] - NEAR * self.period
+        since = self._times[self._first_row] - NEAR * self.period
         return int(np.searchsorted(self.file["fields/time"][:], since))
 
     @property
@@ -314,7 +315,7 @@ class Recorded:
         It is sliced like an h5py.Dataset, and read when it is sliced.
         """
         dataset = self.file["fields/" + dataset_path(port)]
-        return TrimmedDataset(dataset, self._first_instant) if self._since else dataset
+        return TrimmedDataset(dataset, self._first_instant) if self._first_row else dataset
 
     def field(self, port: str, time: float) -> RecordedField:
         """Return the recorded field nearest to `time` [s]."""

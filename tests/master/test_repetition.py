@@ -8,6 +8,7 @@ from copy import copy
 from functools import partial
 from types import SimpleNamespace
 
+import h5py
 import numpy as np
 import pytest
 
@@ -95,6 +96,14 @@ def test_a_last_period_without_an_instant_has_no_recorded_fields(toys, tmp_path)
     with Results(tmp_path / "run.h5") as results:
         assert results.recorded == []
         assert results.whole.recorded == ["plant.y0"]
+
+
+def test_a_file_that_has_the_start_alone_can_be_opened(toys, tmp_path):
+    go(toys(), tmp_path / "run.h5")
+    with h5py.File(tmp_path / "run.h5", "r+") as file:
+        file["time"].resize(1, 0)
+    with Results(tmp_path / "run.h5") as results:
+        assert results.time.tolist() == [0.0]
 
 
 def test_two_periods_can_be_shown_of_at_least_five(toys, tmp_path):
