@@ -440,11 +440,12 @@ static int64_t reserved(Instance *I, const Block *blocks, int64_t count, Referen
 /* Return how many references from the first one on are consecutive within its block; 1 if it is in none. */
 static size_t run_of(const Block *blocks, int64_t count, const Reference *reference, size_t references)
 {
-    size_t run = 1;
-    for (const Block *b = blocks; b < blocks + count; b++)
+    size_t run = 1, left = 0;
+    for (const Block *b = blocks; b < blocks + count && !left; b++)
         if (*reference >= b->first && *reference < b->first + b->size)
-            while (run < references && reference[run] == *reference + run && reference[run] < b->first + b->size)
-                run++;
+            left = (size_t)(b->first + b->size - *reference);
+    while (run < references && run < left && reference[run] == *reference + run)
+        run++;
     return run;
 }
 

@@ -121,7 +121,9 @@ static int unknown(Instance *I, const char *where, Reference reference)
 
 /* Define a function that does `action` at each position in a storage whose `number` references begin at `first`, after
    `before`, if the variable may be set or this does not matter. */
-#define MAY_SET front_may_set(I, __func__, vr[k], I->causality[vr[k]])
+#define MAY_SET                                                                                \
+    ((k && I->causality[vr[k]] == I->causality[vr[k - 1]])                                     \
+     || front_may_set(I, __func__, vr[k], I->causality[vr[k]]))
 #define EACH(name, constant, type, first, number, before, may, action)                        \
     EXPORT int name(Instance *I, const Reference *vr, size_t count, constant type *value)     \
     {                                                                                         \
