@@ -7,6 +7,7 @@ the bodies, as that FMU does, if these determine all unknowns.
 
 import ctypes
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -80,6 +81,7 @@ class Called(ctypes.Structure):
         ("output_count", ctypes.c_size_t),
         ("spent", ctypes.c_double),
         ("carried", ctypes.c_double),
+        ("has_moved", ctypes.c_int),
     ]
 
 
@@ -203,11 +205,12 @@ class Iteration:
         self.pairs, self.scale = state_from(self.state).pairs, state_from(self.state).scale
         self.x = np.empty(len(self.layout.nominal))
         self.numbers = np.zeros(NOTED + method.newton.max_iterations * len(interface.wires))
-        self.called = (Called * len(rows))(*map(self._called, self.names))
+        called = (Called * len(rows))(*map(self._called, self.names))
+        self.each = [(ends.participant, ends, one) for ends, one in zip(self.all_ends, called)]
         self._lengths = np.array([self.x.size, 0, self.block.size, self.numbers.size])
         arrays = self.x, self.block, self.numbers, self._lengths
         pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
-        self._run = lambda: method.run(self.called, ctypes.c_size_t(len(rows)), *pointers)
+        self._run = partial(method.run, called, ctypes.c_size_t(len(rows)), *pointers)
 
     def _setup(self, newton: Newton, rows: list[ParticipantRow], owner: int) -> CoupledSetup:
         """Return what the machine code knows about participants, wires and method."""
@@ -310,9 +313,8 @@ class Iteration:
 
     def solve(self, macro_step: MacroStep, guess: np.ndarray, memory: Any) -> Solution | None:
         """Return the solution, None if there is none."""
-        participants: dict[str, Any] = dict(self.interface.participants)
         time, step = macro_step.time, macro_step.step
-        if any(one.is_last(time, step) for one in participants.values()):
+        if any(one.is_last(time, step) for one, _, _ in self.each):
             return None  # it may be shorter by round-off
         self._adopt(memory)
         wires = self.interface.size
@@ -320,9 +322,11 @@ class Iteration:
         if self.owned:
             self.x[wires:] = self._guess(macro_step, memory)
         self.numbers[:2] = step, time
-        for one, called in zip(participants.values(), self.called):
+        for one, _, called in self.each:
+            saved = macro_step.saved[one.name]
+            called.has_moved = one.at is not saved
             one.begin_step_at(time, step)
-            called.begin = macro_step.saved[one.name].value
+            called.begin = saved.value
             called.spent = called.carried = 0.0
         status = self._run()
         self._account()
@@ -332,7 +336,7 @@ class Iteration:
         measures = self.numbers[NOTED:].reshape(-1, len(self.interface.wires))[:evaluations]
         trail = measures.tolist()
         self.interface.trail += trail
-        for one, ends in zip(participants.values(), self.all_ends):
+        for one, ends, _ in self.each:
             ends.written.values[ends.of_written] = self.x[ends.into]
             one.note_written(ends.written)
         if self.owned:
@@ -344,8 +348,8 @@ class Iteration:
     def _account(self) -> None:
         """Add the times of the calls."""
         spent = self.interface.spent
-        for name, called in zip(self.names, self.called):
-            spent[name] += called.spent
+        for one, _, called in self.each:
+            spent[one.name] += called.spent
             spent["transport"] += called.carried
 
     def _guess(self, macro_step: MacroStep, memory: RecycledGmres) -> np.ndarray:

@@ -56,6 +56,11 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
     elements : iterable of str, optional
         Elements of arrays ("y[2]") that are fields too, next to their array.
 
+    Attributes
+    ----------
+    at : saved state or None
+        That in which the instance is, if no step has left it.
+
     Raises
     ------
     BadInput
@@ -73,6 +78,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         self._warnings = LoggedWarnings()
         self._warned_at = None
         self._begun = False
+        self.at = None
         self._stop = inf
         self.ended = ""
 
@@ -224,6 +230,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
             step = step_within(time, step, self._stop)
         self.log.clear()
         self.ended = ""
+        self.at = None
         self._last_step = (time, step)
         self._warned_at = time
         try:
@@ -252,6 +259,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         """Prepare for a step [s] that is taken by pointers."""
         self.log.clear()
         self.ended = ""
+        self.at = None
         self._last_step = (time, step)
         self._warned_at = time
 
@@ -297,11 +305,12 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
         state = ctypes.c_void_p()
         if status := self._get_state(ctypes.byref(state)):
             self._check(f"fmi{self.version}Get{self._state}", status)
+        self.at = state
         return state
 
     def restore(self, saved):
         """Restore a saved state, where the next step begins."""
-        self._begin = saved
+        self._begin = self.at = saved
         if status := self._put_state(saved):
             self._check(f"fmi{self.version}Set{self._state}", status)
 

@@ -35,6 +35,7 @@ typedef struct {
     const uint32_t *inputs, *outputs;
     size_t input_count, output_count;
     double spent, carried;              /* in steps and derivatives; in values and states [s] */
+    int has_moved;                      /* whether it may have left the state at the beginning */
 } Called;
 
 static _Thread_local Called *called;
@@ -54,7 +55,7 @@ static double now(void)
 /* Set an instance to its state at the beginning of the macro step, and its inputs; 0, or a call failed. */
 static int32_t set_back(Called *one, const double *inputs)
 {
-    return one->set_state(one->component, one->begin) > WARNING
+    return (one->has_moved && one->set_state(one->component, one->begin) > WARNING)
            || one->set(one->component, one->inputs, one->input_count, inputs) > WARNING;
 }
 
@@ -85,12 +86,14 @@ static int32_t run_called(Called *one, int64_t entry, double *real, double *memo
     double begun = now();
     if (entry != ADVANCE) {
         int32_t failed = run_derivative(one, real, memory + EMPTY, numbers);
+        one->has_moved = 1;
         one->spent += now() - begun;
         return failed;
     }
     if (set_back(one, real))
         return 1;
     double fed = now();
+    one->has_moved = 1;
     int status = one->step(one->component, numbers[1], numbers[0], 1 /* no state before is restored */);
     double stepped = now();
     if (status <= WARNING)
