@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..fmi.errors import Discard, ParticipantFault, Stopped, Ticked
+from ..participants.participant import block_of
 from ..participants.warned import LoggedWarnings, NamedWarning
 from .events import LARGEST_ITERATION, WHOLE, EndlessEvents, Events
 from .interface import SMALL, Interface
@@ -197,6 +198,7 @@ class Stepper:
         self._was_not_finite = False
         redone = all(getattr(one, "can_redo", True) for one in system.participants.values())
         self.limits = system.limits if redone and not isinstance(self.method, Explicit) else ()
+        self._limit_blocks = [block_of(system.participants[p], (v,)) for p, v in self.limits]
         self._limits_control = bool(self.limits) and hasattr(control, "resolves")
         self.predictor = Predictor(order)
         self.predictor.keep(begin, self.interface.read())
@@ -362,8 +364,9 @@ class Stepper:
 
     def _longest_step(self) -> float:
         """Return the longest step that resolves the motion of all participants [s]."""
-        values = (float(self.interface.participants[p].get(v)) for p, v in self.limits)
-        return min(values, default=inf)
+        for block in self._limit_blocks:
+            block.get()
+        return min((float(block.values[0]) for block in self._limit_blocks), default=inf)
 
     def _controlled(self, control: StepControl, time: float, step: float) -> None:
         """Take the macro steps of step control, each to the next tick at most."""
@@ -486,10 +489,12 @@ class Stepper:
     def _converge(self, time: float, step: float, saved: dict[str, Any]) -> Solution:
         start, share = self.predictor.past[-1][1], 1.0
         guess = self.predictor(time + step)
-        if self.interface.is_limited:
-            share = step_length(self.interface.layout, start, guess - start)
         if self.interface.is_limited or self.predictor.past[1:]:
-            guess = start + share * (guess - start)
+            guess -= start
+            if self.interface.is_limited:
+                share = step_length(self.interface.layout, start, guess)
+            guess *= share
+            guess += start
         macro_step = MacroStep(self.interface, time, step, saved, share)
         return solve_settled(self.method, macro_step, guess, self.memory)
 

@@ -134,9 +134,9 @@ def step_length(layout: Layout, x: Array, change: Array):
         if limit < np.inf:
             begin, end = layout.ends[w - 1] if w > 0 else 0, layout.ends[w]
             values, moves = x[begin:end], change[begin:end]
-            smallest = np.min(values)
+            smallest = values.min()  # np.min takes longer in Python
             floor = smallest - limit * max(smallest, layout.nominal[begin] / 10)
-            if np.min(moves) < floor - smallest:  # else no element can pass the floor
+            if moves.min() < floor - smallest:  # else no element can pass the floor
                 down = moves < 0.0
                 share = min(share, np.min((values[down] - floor) / -moves[down]))
     return share
