@@ -110,17 +110,19 @@ def save(drawn: figure.Figure, path: Path, resolution: float = RESOLUTION) -> Pa
     files the `resolution` [1/in]. In SVG files, text is text and coordinates have one decimal.
     """
     data = BytesIO()
-    dpi = resolution if path.suffix == ".png" else VECTOR_RESOLUTION
     with rc_context({"svg.fonttype": "none", "font.sans-serif": ["DejaVu Sans", "Arial"]}):
-        drawn.savefig(data, format=path.suffix[1:], dpi=dpi)
-    if path.suffix == ".png":
-        data = BytesIO(_with_palette(data.getvalue(), kinds_of(drawn)))
+        if path.suffix == ".png":
+            data.write(_as_png(_image_of(drawn, resolution), kinds_of(drawn)))
+        else:
+            drawn.savefig(data, format=path.suffix[1:], dpi=VECTOR_RESOLUTION)
     if path.suffix == ".svg":
         text = data.getvalue().decode()
         text = re.sub(r' d="[^"]*"', lambda part: re.sub(r"(\.\d)\d+", r"\1", part[0]), text)
         text = re.sub(
             r'(?<=png;base64,)[^"]+',
-            lambda part: b64encode(_with_palette(b64decode(part[0]), kinds_of(drawn))).decode(),
+            lambda part: b64encode(
+                _as_png(Image.open(BytesIO(b64decode(part[0]))), kinds_of(drawn))
+            ).decode(),
             text,
         )
         data = BytesIO(text.encode())
@@ -134,12 +136,22 @@ def kinds_of(drawn: figure.Figure) -> tuple[str, ...]:
     return tuple(kind for kind, colours in COLOURS.items() if colours.name in names)
 
 
-def _with_palette(image: bytes, kinds: tuple[str, ...]) -> bytes:
+def _image_of(drawn: figure.Figure, resolution: float) -> Image.Image:
+    """Return a figure as an image; `savefig` would draw it twice, and encode all colours."""
+    usual, drawn.dpi = drawn.dpi, resolution
+    canvas = FigureCanvasAgg(drawn)
+    canvas.draw()
+    drawn.dpi = usual
+    image = Image.fromarray(np.asarray(canvas.buffer_rgba()))
+    image.info["dpi"] = resolution, resolution
+    return image
+
+
+def _as_png(image: Image.Image, kinds: tuple[str, ...]) -> bytes:
     """Return a PNG file with a palette."""
     data = BytesIO()
-    with Image.open(BytesIO(image)) as opened:
-        resolution = opened.info.get("dpi", (RESOLUTION, RESOLUTION))
-        with_palette(opened, kinds).save(data, "png", optimize=True, dpi=resolution)
+    dpi = image.info.get("dpi", (RESOLUTION, RESOLUTION))
+    with_palette(image, kinds).save(data, "png", optimize=True, dpi=dpi)
     return data.getvalue()
 
 
@@ -149,12 +161,15 @@ def with_palette(image: Image.Image, kinds: tuple[str, ...]) -> Image.Image:
     The search of Pillow takes a colour near white for white.
     """
     palette = _palette(kinds)
-    pixels = np.asarray(image.convert("RGB"), dtype=np.int64) @ [1 << 16, 1 << 8, 1]
-    colours, index = np.unique(pixels, return_inverse=True)
+    red, green, blue = np.moveaxis(np.asarray(image.convert("RGB"), dtype=np.uint32), 2, 0)
+    pixels = red << 16 | green << 8 | blue
+    colours = np.unique(pixels)
     known = np.stack([colours >> 16, colours >> 8 & 255, colours & 255], axis=1).astype(np.float32)
     wanted = palette.astype(np.float32)
     nearest = ((wanted**2).sum(axis=1) - 2.0 * known @ wanted.T).argmin(axis=1)
-    drawn = Image.fromarray(nearest.astype(np.uint8)[index.reshape(pixels.shape)])
+    index = np.empty(1 << 24, np.uint8)  # of every colour
+    index[colours] = nearest
+    drawn = Image.fromarray(index[pixels])
     drawn.putpalette(palette.ravel().tolist())
     return drawn
 
