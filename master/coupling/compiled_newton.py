@@ -373,7 +373,7 @@ class Iteration:
         if memory.pairs is self.pairs:
             return
         forget(self.pairs)
-        if memory.pairs and memory.pairs.images.shape == self.pairs.images.shape:
+        if memory.pairs and memory.pairs.products.shape == self.pairs.products.shape:
             for own, known in zip(self.pairs, memory.pairs):
                 own[...] = known
         self.scale[:] = 0.0 if memory.scale is None else memory.scale

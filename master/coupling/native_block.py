@@ -231,7 +231,7 @@ def lengths_of(setup: CoupledSetup, inside: int, reals: int):
     inside : length of the part of this name; reals : number of real variables.
     """
     size, coordinates = len(setup.layout.nominal), coordinates_of(setup)
-    pairs = nothing_yet(setup).pairs.images.shape
+    pairs = nothing_yet(setup).pairs.products.shape
     state = _room_of_state(setup.saved, setup.rules.predicted, size, coordinates, *pairs)
     lengths = inside, state, state, _room_of_last(reals), ROOM, ROOM
     return lengths, _room_of_pairs(*pairs)

@@ -125,14 +125,14 @@ class Observer:
     def attempted(
         self, time: float, step: float, trail: list[list[float]], failure: object | None
     ) -> None:
-        """Observe an attempt at the macro step from `time` over `step` [s].
+        """Observe an attempt at the macro step, or a part of it, from `time` over `step` [s].
 
-        It is not accepted or rolled back yet. trail : measures of the wires by evaluation; failure
-        : reason, or None.
+        It is not accepted yet; if it failed, the participants may be rolled back already. trail :
+        measures of the wires by evaluation; failure : exception or text, or None.
         """
 
     def accepted(self, time: float, solution: Solution) -> None:
-        """Observe an accepted step or half step that ends at `time` [s]."""
+        """Observe an accepted step, or part of it, that ends at `time` [s]."""
 
 
 class Stepper:
@@ -155,10 +155,10 @@ class Stepper:
     begin : float
         Where the participants stand [s].
     judge : callable(time, solution, is_first, is_last), optional
-        Raises EnergyCreated if the macro step created energy whose converged part ends at `time`
-        [s]; whether it is the first and the last part.
+        Called after a converged part of a macro step that ends at `time` [s], the first or the last
+        one. Raises EnergyCreated if the macro step created energy.
     clocks : sequence of HeldWire
-        From clock to clock.
+        Wires from clock to clock.
     """
 
     def __init__(

@@ -24,11 +24,11 @@ def of_products(rng, products, images):
 def remembered(rng, kept, n, filled):
     """Pairs that have been learned one by one, more than are kept if need be."""
     pairs = no_pairs(n, kept)._replace(
-        images=np.zeros((kept, n)), differences=np.zeros((kept, n)), gram=np.zeros((kept, kept))
+        products=np.zeros((kept, n)), differences=np.zeros((kept, n)), gram=np.zeros((kept, kept))
     )
     for _ in range(filled):
         direction, product = rng.standard_normal((2, 1, n))
-        known = of_products(rng, product, pairs.images)
+        known = of_products(rng, product, pairs.products)
         krylov.learn(pairs, Space(direction, product, product, *known), 1)
     return pairs
 
@@ -36,14 +36,14 @@ def remembered(rng, kept, n, filled):
 def preconditioned(pairs, used):
     """Rows of the pairs in use, P r and r."""
     rows = (int(pairs.oldest[0]) - 1 - np.arange(used)) % len(pairs.gram)
-    r = np.random.default_rng(6).standard_normal(pairs.images.shape[1])
+    r = np.random.default_rng(6).standard_normal(pairs.products.shape[1])
     inverse = krylov.pairs_in_use(pairs)
     assert len(inverse) == used
     found, projected = np.empty(len(r)), np.zeros(len(pairs.gram))
     krylov.precondition(pairs, inverse, r, projected, found)
-    np.testing.assert_allclose(projected[rows], pairs.images[rows] @ r, rtol=1e-12)
+    np.testing.assert_allclose(projected[rows], pairs.products[rows] @ r, rtol=1e-12)
     assert not np.delete(projected, rows).any()
-    z, d = pairs.images[rows], pairs.differences[rows]
+    z, d = pairs.products[rows], pairs.differences[rows]
     whole = z @ z.T + NOISE * np.eye(used)
     np.testing.assert_allclose(
         (inverse.T @ inverse)[np.ix_(rows, rows)], np.linalg.inv(whole), rtol=1e-8
@@ -78,9 +78,9 @@ def test_no_more_pairs_than_their_directions_need(known):
     pairs = no_pairs(n, kept)
     pairs.oldest[0] = known % kept
     for k in range(known):
-        pairs.images[k % kept] = np.array([np.cos(k), np.sin(k)]) @ plane
+        pairs.products[k % kept] = np.array([np.cos(k), np.sin(k)]) @ plane
         pairs.differences[k % kept] = rng.standard_normal(n)
-    pairs.gram[:] = pairs.images @ pairs.images.T
+    pairs.gram[:] = pairs.products @ pairs.products.T
     assert len(krylov.pairs_in_use(pairs)) == used
     for which in pairs[:2]:
         assert which.any(axis=1).sum() == used
@@ -162,11 +162,11 @@ def test_what_is_kept(filled, count):
         expected[0][place % kept] = products[k] / size
         expected[1][place % kept] = (directions[k] - products[k]) / size
         place += 1
-    known = of_products(rng, products, pairs.images)
+    known = of_products(rng, products, pairs.products)
     krylov.learn(pairs, Space(directions, products, products, *known), count)
     for found, rows in zip(pairs[:2], expected):
         np.testing.assert_allclose(found, rows, rtol=1e-13, atol=1e-15)
-    np.testing.assert_allclose(pairs.gram, pairs.images @ pairs.images.T, atol=1e-14)
+    np.testing.assert_allclose(pairs.gram, pairs.products @ pairs.products.T, atol=1e-14)
     assert pairs.oldest[0] == place % kept
 
 

@@ -19,8 +19,8 @@ SENTENCES = {
 
 
 ODD = 0.1
-"""Difference of the residuals of mirror images, as a share of their tolerance, that half of a field
-leaves."""
+"""Largest difference of the residuals of mirror images, as a share of their tolerance, with which
+half of a field is iterated."""
 
 
 OF_GUESS = 0.1
@@ -93,7 +93,7 @@ class Iterated(NamedTuple):
     history : ndarray
         Measures of the evaluations; the last one is negative if a participant rejected the step.
     products : int
-        Derivatives of the whole evaluation.
+        Number of directional derivatives of the whole evaluation.
     first : ndarray
         First update, empty without one.
     failure : float
@@ -124,7 +124,10 @@ def product(linear: NewtonSystem, k: int, direction: Array, out: Array):
 
 @compilable
 def excess(linear: NewtonSystem, residual: Array):
-    """Return 1 if no element of a scaled residual exceeds its limit, else 2: it is asked again."""
+    """Return 1 if no element of a scaled residual exceeds its limit, else 2.
+
+    A residual within all limits is no longer than they are, so its length is compared first.
+    """
     return 1.0 if (np.abs(residual) <= linear.limits).all() else 2.0
 
 
@@ -155,7 +158,7 @@ def field_update(
     size = len(at.used)
     unknowns, images = unknowns_of(answer, layout, pairs)
     known = Pairs(
-        images=first_columns(pairs.images, len(unknowns)),
+        products=first_columns(pairs.products, len(unknowns)),
         differences=first_columns(pairs.differences, len(unknowns)),
         gram=pairs.gram,
         oldest=pairs.oldest,

@@ -51,14 +51,14 @@ class Goal(NamedTuple):
 class Pairs(NamedTuple):
     """Directions and their products from earlier solves.
 
-    images, differences : Z and V - Z by rows, as many as are kept at most, 0 where nothing is known
-    yet; in single precision round-off would grow to what two solves differ by. gram : Z' Z of those
+    products, differences : Z and V - Z by rows, as many as are kept at most, 0 where nothing is
+    known yet; in single precision round-off would grow to what two solves differ by. gram : Z' Z of those
     in use, 0 elsewhere. oldest : the row that is overwritten next; those in use end before it.
     is_whole : 1 once a field of a mirrored wire has lost its symmetry, so that all are unknowns.
     noise : share of a product's squared length, as `NOISE`.
     """
 
-    images: Rows
+    products: Rows
     differences: Rows
     gram: Square
     oldest: Annotated[Array, "1"]
@@ -227,7 +227,7 @@ def pairs_in_use(pairs: Pairs):
         put(inverse[i], rows, factor[i])
     for row in rows[used:]:
         keep(gram[:, row], np.zeros(capacity))
-        for table in (gram, pairs.images, pairs.differences):
+        for table in (gram, pairs.products, pairs.differences):
             keep(table[row], np.zeros(len(table[row])))
     return inverse
 
@@ -239,9 +239,9 @@ def project(pairs: Pairs, used: int, r: Array, projected: Array):
     first = oldest - used  # they go round the end where it is below 0
     before, end = max(first, 0), len(projected)
     if oldest > before:
-        keep(projected[before:oldest], pairs.images[before:oldest] @ r)
+        keep(projected[before:oldest], pairs.products[before:oldest] @ r)
     if first < 0:
-        keep(projected[first + end :], pairs.images[first + end :] @ r)
+        keep(projected[first + end :], pairs.products[first + end :] @ r)
 
 
 @compilable
@@ -327,8 +327,8 @@ def learn(pairs: Pairs, space: Space, count: int):
         full -= 1
         if full >= capacity:
             continue  # more than fit
-        keep(pairs.images[row], space.products[k] / sizes[k])
-        keep(pairs.differences[row], space.directions[k] / sizes[k] - pairs.images[row])
+        keep(pairs.products[row], space.products[k] / sizes[k])
+        keep(pairs.differences[row], space.directions[k] / sizes[k] - pairs.products[row])
         keep(space.projected[: count + 1, row], space.hessenberg[k, : count + 1] / sizes[k])
         rows[k] = row
         row = (row + 1) % capacity
@@ -346,7 +346,7 @@ def no_pairs(unknowns: int, most: int = KEPT, noise: float = NOISE):
     capacity = min(most, unknowns)
     rows = np.zeros((2, capacity, unknowns))
     return Pairs(
-        images=rows[0],
+        products=rows[0],
         differences=rows[1],
         gram=np.zeros((capacity, capacity)),
         oldest=np.zeros(1),
@@ -358,7 +358,7 @@ def no_pairs(unknowns: int, most: int = KEPT, noise: float = NOISE):
 @compilable
 def forget(pairs: Pairs):
     """Remove all pairs."""
-    for table in (pairs.gram, pairs.images, pairs.differences):
+    for table in (pairs.gram, pairs.products, pairs.differences):
         keep(table.reshape(table.size), np.zeros(table.size))
     pairs.oldest[0] = 0.0
     pairs.is_whole[0] = 0.0
@@ -398,6 +398,6 @@ class RecycledGmres:
 
     def pairs_of(self, unknowns: int) -> Pairs:
         """Return the pairs; before a first solve there are none in use."""
-        if self.pairs is None or self.pairs.images.shape[1] != unknowns:
+        if self.pairs is None or self.pairs.products.shape[1] != unknowns:
             self.pairs = no_pairs(unknowns)
         return self.pairs
