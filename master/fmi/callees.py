@@ -65,6 +65,10 @@ class EntryLibrary(JITCodeLibrary):
         for bitcode in reversed(self.callees):
             self._final_module.link_in(_parsed(bitcode), preserve=True)
 
+    def _optimize_functions(self, ll_module: Any) -> None:
+        """Set only the layout that LLVM needs to link; `finalize` optimises the whole."""
+        ll_module.data_layout = self._codegen._data_layout
+
     def finalize(self) -> None:
         """Link, optimise and translate."""
         self.link_callees()

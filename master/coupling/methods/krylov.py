@@ -52,10 +52,10 @@ class Pairs(NamedTuple):
     """Directions and their products from earlier solves.
 
     products, differences : Z and V - Z by rows, as many as are kept at most, 0 where nothing is
-    known yet; in single precision round-off would grow to what two solves differ by. gram : Z' Z of those
-    in use, 0 elsewhere. oldest : the row that is overwritten next; those in use end before it.
-    is_whole : 1 once a field of a mirrored wire has lost its symmetry, so that all are unknowns.
-    noise : share of a product's squared length, as `NOISE`.
+    known yet; in single precision round-off would grow to what two solves differ by. gram : Z' Z
+    of those in use, 0 elsewhere. oldest : the row that is overwritten next; those in use end before
+    it. is_whole : 1 once a field of a mirrored wire has lost its symmetry, so that all are
+    unknowns. noise : share of a product's squared length, as `NOISE`.
     """
 
     products: Rows
