@@ -167,7 +167,7 @@ class SolvedFilm(NamedTuple):
 
     hard_film, deflection : film thickness without the deflection of a coating, and that [m];
     steps : ndarray, shape (2, n_c, n_a), `contact.profile_steps`;
-    velocity, turning : V and W, 0 on a skirt [m/s];
+    velocity, turning : V, and W, which is 0 on a skirt [m/s];
     quantities : ndarray, shape (6, n_c, n_a), of `films`, with the viscosity of shear under
     pressure;
     pressure, fraction : above cavitation pressure [Pa], film fraction [-];
@@ -321,7 +321,7 @@ def refuse_forces(normal: Array, along: Array, film: SolvedFilm, faults: Array):
 class OilTransport(NamedTuple):
     """Oil that moved in a step, shapes (n_c, n_a) and twice (n_c, n_a + 1).
 
-    growth : of the content [m/s]; passed, travel : as in `transport.TransportHistory`.
+    growth : of the content [m/s]; passed, travel : as in `PreviousFilm`.
     """
 
     growth: Array
@@ -442,10 +442,12 @@ def account(
 
     The sum is the heat of pressure flow less the work of the pressure around the film: by Eq. (E1)
     it is that of flow times pressure drop over all faces, less inflow times pressure over edges and
-    openings. Together with P, Eqs. (F3), (F8), the heat is in a full film, but for the grid's error
-    in h dp/dy, with faces by K, Eq. (E3), and cells by c, Eq. (F1),
+    openings. With P, Eqs. (F3), (F8), it is the heat Q. In a full film, up to the grid's error in
+    h dp/dy,
 
-                    Q = sum over faces of  K (p_a - p_b)^2 + sum over cells of  A c V^2
+                    Q = sum over faces of  K (p_a - p_b)^2 + sum over cells of  A c_v V^2
+
+    with K of Eq. (E3) and c_v, the c of Eq. (F1).
 
     In a full film E is the work of the surfaces to round-off. They work on h, the film on its
     content c = f s. In a cell that fills they do more work, which is lost. At the floor of the film

@@ -192,9 +192,6 @@ def _row_flow(content, i, way, steps, given, flow):
             continue
         here = min(content[up] / stored[i, up], 1.0)
         at_edge = not 0 <= down < n_a or (resting[i, down] and not full[i, down])
-        if not at_edge and resting[i, down]:
-            flow[j] = width * x * here * between[i, j]
-            continue
         beyond = 2 * up - down
         if beyond < 0:
             before = supply[LOWER, i] * mobile[i, up]
@@ -223,9 +220,9 @@ def _row_flow(content, i, way, steps, given, flow):
 def _lift_at_fronts(i, way, given, through, content, past, area, fraction):
     """Compute the lift at the faces of row i into full cells, Eq. (T16), into `fraction`.
 
-    given, through : volumes that passed the axial faces in the last step, over the length of this
-    one, and that oil without pressure passes in it [m3]; content : at the end of the step [m];
-    past : step_parts.PreviousFilm; area : of a cell [m2].
+    given, through : volumes that passed the axial faces in the last step, in proportion to the
+    length of this one, and that oil without pressure passes in it, towards ascending j [m3];
+    content : at the end of the step [m]; past : step_parts.PreviousFilm; area : of a cell [m2].
     """
     before = past.film[STORED]
     n_a = content.size
