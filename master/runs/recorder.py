@@ -28,7 +28,7 @@ import os
 import time as clock
 from collections.abc import Sequence
 from contextlib import contextmanager, suppress
-from math import floor, prod
+from math import floor
 from pathlib import Path
 from typing import Any
 
@@ -47,8 +47,8 @@ ROOM = 2**18
 
 CHUNK = 1024
 """Rows of a series in one chunk of the file."""
-WAITING = 2**22
-"""Numbers of an instant of fields are in memory until they are so many [bytes]."""
+INSTANTS = 20
+"""Maximum number of records of fields in memory."""
 LONGEST_WAIT = 1.0
 """Longest time that a row stays in memory during the run [s]."""
 TEXT = h5py.string_dtype()
@@ -153,8 +153,7 @@ class Recorder:
         self.case = case
         self.schedule = schedule
         self.ports = recorded_ports(case, participants)
-        sizes = (prod(participants[a].fields[b].shape) for a, b in map(port_of, self.ports))
-        self.flush_every = min(CHUNK, 1 + WAITING // (8 * sum(sizes) + 1))
+        self.flush_every = INSTANTS if self.ports else CHUNK
         self.path.parent.mkdir(parents=True, exist_ok=True)
         fresh = self.partial.with_name(self.partial.name + ".new")
         taken_over = self.partial.stat().st_size if rows else 0
@@ -317,9 +316,8 @@ class Recorder:
             if values
         ]
         self._reserve(self.partial, LARGEST_CHARACTER * sum(_characters(*one) for one in columns))
-        spaces: dict[Any, tuple[Any, Any]] = {}  # of the rows, and their place among all
         for dataset, values in columns:
-            _extend(dataset, values, spaces)
+            _extend(dataset, values)
         self.file.flush()
 
     def _forget(self):
@@ -473,8 +471,8 @@ def _characters(dataset, values):
     return sum(map(len, values)) if h5py.check_string_dtype(dataset.dtype) else 0
 
 
-def _extend(dataset, values, spaces):
-    """Append values to a dataset by HDF5's low-level calls, with the spaces of datasets like it.
+def _extend(dataset, values):
+    """Append values to a dataset by HDF5's low-level calls.
 
     h5py takes three times as long for a few numbers, and there are about sixty datasets.
     """
@@ -485,8 +483,6 @@ def _extend(dataset, values, spaces):
     one = dataset.id
     known, *shape = one.shape
     one.set_extent((known + len(rows), *shape))
-    if (rows.shape, known) not in spaces:
-        place = one.get_space()
-        place.select_hyperslab((known, *(0 for _ in shape)), rows.shape)
-        spaces[rows.shape, known] = h5py.h5s.create_simple(rows.shape), place
-    one.write(*spaces[rows.shape, known], rows)
+    place = one.get_space()
+    place.select_hyperslab((known, *(0 for _ in shape)), rows.shape)
+    one.write(h5py.h5s.create_simple(rows.shape), place, rows)
