@@ -452,7 +452,7 @@ class Film:
         steps it may alternate.
         """
         fixed = self.model.fixed
-        velocity = 0.0 if fixed.bearing else float(np.abs(inputs["sliding_velocity"]).max())
+        velocity = 0.0 if fixed.domain.bearing else float(np.abs(inputs["sliding_velocity"]).max())
         travel = TRAVEL * fixed.domain.cells.dy
         return min(LONGEST, travel / (abs(fixed.share) * velocity)) if velocity > 0.0 else LONGEST
 

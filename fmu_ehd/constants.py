@@ -38,14 +38,13 @@ class FilmConstants(NamedTuple):
     """Constants of a film during a run.
 
     domain : film_step.Domain; surfaces : step_parts.Surfaces; laws : flow_film.FilmLaws;
-    bearing : whether it is a bearing's; share : of the sliding velocity that is entrainment [-];
-    radius : of the bore [m]; bore : oil_layer.Bore.
+    share : of the sliding velocity that is entrainment [-]; radius : of the bore [m];
+    bore : oil_layer.Bore.
     """
 
     domain: Domain
     surfaces: parts.Surfaces
     laws: FilmLaws
-    bearing: bool
     share: float
     radius: float
     bore: Bore
@@ -223,11 +222,12 @@ def fixed_of(x: Any, chosen: Any, tables: Tables, on_bore: bool) -> FilmConstant
     cells = cells_of(x, tables)
     n_c, n_a = tables.open_cells.shape
     domain = Domain(
-        cells,
-        tables.open_cells,
-        bool(tables.open_cells.any()),
-        cavitation_of(x, chosen),
-        cavitation.at_once(n_c, n_a),
+        cells=cells,
+        open_cells=tables.open_cells,
+        has_openings=bool(tables.open_cells.any()),
+        model=cavitation_of(x, chosen),
+        together=cavitation.at_once(n_c, n_a),
+        bearing=tables.bearing,
     )
     factors = np.zeros((0, 0))
     if chosen.flow_factors == PATIR_CHENG_1978:
@@ -255,7 +255,6 @@ def fixed_of(x: Any, chosen: Any, tables: Tables, on_bore: bool) -> FilmConstant
         domain=domain,
         surfaces=surfaces,
         laws=FilmLaws(x.minimum_flow_film, x.roughness_rms, factors, thinning),
-        bearing=tables.bearing,
         share=SHARE_OF_A_BEARING if tables.bearing else SHARE_OF_A_SKIRT,
         radius=x.bore_radius,
         bore=oil_layer.bore_of(supply, tables.faces, cells, n_a),

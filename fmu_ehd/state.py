@@ -6,8 +6,8 @@ A memory in machine code follows these annotations, and so do the output variabl
 from typing import Annotated, NamedTuple
 
 from . import step_parts as parts
+from .balance.flows import Filling
 from .balance.oil_layer import OilLayer
-from .balance.reynolds import Filling
 from .common.grid import Array, Edges, Field, Flags, Stencil
 from .common.quantities import FilmSlopes, Quantities
 from .laws.circumferential import CircumferentialInputs
@@ -49,7 +49,7 @@ class LastStep(NamedTuple):
     """Data of the last step for the tangent.
 
     film : ndarray, shape (6, n_c, n_a), quantities of `films`; slopes, slopes_around : of these,
-    `flow_film.FlowFilm`; under : piezoviscosity.TruePressure; filling : reynolds.Filling, that the
+    `flow_film.FlowFilm`; under : piezoviscosity.TruePressure; filling : flows.Filling, that the
     balance was solved with; edges : grid.Edges; length : H_e [s];
     unknown, full, stencil : as in `film_step.FilmSolution`; shear : friction.ShearInputs;
     pressure_slope, stress_slope : of `contact.Contact`; touching : whether any cell is in contact;

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..master.fmi.compiled import compilable, standing_for
 from ..master.fmi.noted import remark
+from . import oil_rows
 from . import step_parts as parts
 from .balance import coated_film, film_step, oil_layer
 from .balance.coated_film import CoatedInputs, Layer, StepSolution
@@ -27,7 +28,7 @@ from .balance.oil_layer import LayerVolumes, OilLayer
 from .balance.transport import Lift
 from .common.faults import FAULT
 from .common.grid import LOWER, UPPER, Array, Edges, Entrainment, sum_of_products
-from .common.quantities import CARRIERS, STORED
+from .common.quantities import STORED
 from .constants import FilmConstants
 from .laws import circumferential
 from .laws.circumferential import CircumferentialInputs
@@ -156,7 +157,7 @@ def acting_of(
     )
     acted = parts.forces(film, fixed.surfaces, fixed.domain, faults)
     powers = FrictionPowers(acted.summary.power, acted.boundary_power)
-    if not fixed.bearing:
+    if not fixed.domain.bearing:
         return SurfaceForces(acted, inputs.turning, powers)
     turning = turning_of(fixed, inputs)
     around = circumferential.shear_forces(acted.shear, turning)
@@ -189,7 +190,7 @@ def scalars_of(
     lower, upper, openings = ledger.flows
     on_bore = oil_layer.volume(fixed.bore, layer) if fixed.bore.supply.followed else 0.0
     torque = 0.0
-    if fixed.bearing:
+    if fixed.domain.bearing:
         torque = fixed.radius * sum_of_products(acting.around, np.ones(acting.around.shape))
     return Scalars(
         minimum_film_thickness=min(whole.thinnest.thrust, whole.thinnest.anti_thrust),
@@ -268,7 +269,8 @@ def start(
     rms = fixed.surfaces.contact.roughness_rms
     steps = profile_steps(inputs.hard_film, domain.open_cells, rms, domain.cells)
     acting = acting_of(fixed, inputs, ForceInputs(still, steps, flow, under, fraction), faults)
-    no_flow = np.zeros((n_c, n_a + 1))
+    carriers = oil_rows.carriers(film, domain.bearing)
+    no_flow = np.zeros((n_c + 1, n_a) if domain.bearing else (n_c, n_a + 1))
     before = parts.PreviousFilm(
         unknown=unknown,
         unknown_before=unknown,
@@ -277,8 +279,8 @@ def start(
         growth=still,
         growth_before=still,
         deflection=still,
-        film=film[:CARRIERS],
-        film_before=film[:CARRIERS],
+        film=carriers,
+        film_before=carriers,
         passed=no_flow,
         travel=no_flow,
         step=0.0,
@@ -330,9 +332,8 @@ def begin(fixed: FilmConstants, memory: Memory, inputs: Inputs, faults: Array) -
         limit = oil_layer.limit(bore, layer, carried, begun.start.length)
         edges = Edges(edges.pressure, edges.film_fraction, limit)
     lift = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
-    # around a bearing, and with a rounding, oil is carried on without a lift
-    if not fixed.bearing and domain.model.rounding == 0.0:
-        lift = parts.lift(before, begun.pace, edges, inputs.length, domain)
+    if domain.model.rounding == 0.0:
+        lift = oil_rows.lift(before, begun.pace, edges, inputs.length, domain)
     moved = Entrainment(fixed.share * inputs.turning, fixed.share * inputs.velocity)
     return StepStart(begun, layer, edges, lift, moved)
 
@@ -426,8 +427,7 @@ def end(
     highest = acted.summary.highest - cavitation
     if law.kind != PRESSURE_VISCOSITY_LAWS.none and highest > law.limit:
         remark(faults, FAULT.beyond_pressure_law)
-    axial = begun.entrainment.axial
-    went = parts.passage(before, begun.begin, film, axial, length, domain)
+    went = parts.passage(before, begun.begin, film, begun.entrainment, length, domain)
     account = parts.account(
         before, memory.totals, acted, acting.powers, film, went.growth, cavitation, length
     )
@@ -449,7 +449,7 @@ def end(
         growth=went.growth,
         growth_before=before.growth,
         deflection=solved.deflection,
-        film=flow.quantities[:CARRIERS],
+        film=oil_rows.carriers(flow.quantities, domain.bearing),
         film_before=before.film,
         passed=went.passed,
         travel=went.travel,

@@ -3,18 +3,25 @@
 They are its beginning, its forces, its memory, and the derivatives of its forces.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ..master.fmi.block import is_finite
 from ..master.fmi.compiled import compiled
 from .balance import storage, transport
-from .balance.film_step import Domain, FilmSolution
+from .balance.film_step import Domain, FilmSolution, sliding_velocity
 from .balance.storage import ContentHistory, EulerStep
-from .balance.transport import CellStates, StepRatios
+from .balance.transport import StepRatios
 from .common.faults import FAULT, refuse
-from .common.grid import Array, AxialFaces, Cells, Edges, Field, Flags, images, sum_of_products
+from .common.grid import (
+    Array,
+    Cells,
+    Entrainment,
+    Field,
+    Flags,
+    sum_of_products,
+)
 from .common.quantities import Carriers
 from .laws import friction
 from .laws.asperity import MOST_OVERLAP, ContactConstants
@@ -33,9 +40,10 @@ class PreviousFilm(NamedTuple):
     step, above cavitation pressure [Pa]; content, growth, growth_before :
     film fraction times stored film, 0 in openings [m], and its growth over the last step and the
     one before [m/s], `storage.ContentHistory`; deflection : of the coating [m];
-    film, film_before : carriers of `films` at the end of the last two steps;
-    passed, travel : volume that passed the axial faces [m3], and travel of the entrainment there
-    [m], in the last step, `transport`; step : length of the last step [s], 0 at the start.
+    film, film_before : `oil_rows.carriers` at the end of the last two steps;
+    passed, travel : volume that passed the faces through which sliding carries the oil [m3], and
+    travel of the entrainment there [m], in the last step, `transport`: axial faces, of a bearing
+    those across i, shape (n_c + 1, n_a); step : length of the last step [s], 0 at the start.
     """
 
     unknown: Field
@@ -47,8 +55,8 @@ class PreviousFilm(NamedTuple):
     deflection: Field
     film: Carriers
     film_before: Carriers
-    passed: AxialFaces
-    travel: AxialFaces
+    passed: Annotated[Array, "n_c + 1, n_a + 1"]
+    travel: Annotated[Array, "n_c + 1, n_a + 1"]
     step: float
 
 
@@ -78,24 +86,6 @@ def begin(before: PreviousFilm, step: float, cells: Cells):
             u = before.unknown[i, j]
             guess[i, j] = u + ratio * (u - before.unknown_before[i, j]) > 0.0
     return EulerStart(transport.pace(step, before.step, start.length), start, guess)
-
-
-@compiled
-def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, domain: Domain):
-    """Lift of the film fraction at the axial faces, `transport.lift`, from the past alone."""
-    n_c, n_a = before.unknown.shape
-    full = np.empty((n_c, n_a), np.bool_)
-    resting = np.empty((n_c, n_a), np.bool_)
-    gained = np.empty((n_c, n_a))
-    for i in range(n_c):
-        area = images(domain.cells.mirrored, i, n_c) * domain.cells.dx * domain.cells.dy
-        for j in range(n_a):
-            full[i, j] = before.unknown[i, j] > 0.0 and not domain.open_cells[i, j]
-            resting[i, j] = full[i, j] or domain.open_cells[i, j]
-            passing = before.passed[i, j + 1] - before.passed[i, j]
-            gained[i, j] = before.growth[i, j] * before.step + passing / area
-    states = CellStates(full, resting, gained)
-    return transport.lift(before, states, pace, edges, step, domain.cells)
 
 
 # ---- surfaces
@@ -319,9 +309,9 @@ def refuse_forces(normal: Array, along: Array, film: SolvedFilm, faults: Array):
 
 
 class OilTransport(NamedTuple):
-    """Oil that moved in a step, shapes (n_c, n_a) and twice (n_c, n_a + 1).
+    """Oil that moved in a step.
 
-    growth : of the content [m/s]; passed, travel : as in `PreviousFilm`.
+    growth : of the content, shape (n_c, n_a) [m/s]; passed, travel : as in `PreviousFilm`.
     """
 
     growth: Array
@@ -334,7 +324,7 @@ def passage(
     before: PreviousFilm,
     begun: EulerStart,
     solution: FilmSolution,
-    axial_velocity: Array,
+    entrainment: Entrainment,
     step: float,
     domain: Domain,
 ):
@@ -345,8 +335,8 @@ def passage(
     before : PreviousFilm
     begun : EulerStart
     solution : film_step.FilmSolution
-    axial_velocity : ndarray, shape (n_c, n_a)
-        Entrainment velocity at the end of the step [m/s].
+    entrainment : grid.Entrainment
+        At the end of the step [m/s].
     step : float
         [s].
     domain : film_step.Domain
@@ -359,13 +349,13 @@ def passage(
     pace = begun.pace
     length = begun.start.length
     growth = np.empty((n_c, n_a))
-    passed = np.empty((n_c, n_a + 1))
     for i in range(n_c):
         for j in range(n_a):
             growth[i, j] = (solution.content[i, j] - before.content[i, j]) / step
-        for j in range(n_a + 1):
-            passed[i, j] = pace.share * before.passed[i, j] + length * solution.axial_flow[i, j]
-    travel = transport.travelled(before.travel, pace, axial_velocity, domain.open_cells, length)
+    flow = solution.flow_around if domain.bearing else solution.axial_flow
+    passed = pace.share * before.passed + length * flow
+    moved = length * sliding_velocity(entrainment, domain)
+    travel = pace.share * before.travel + moved  # Eq. (T15)
     return OilTransport(growth, passed, travel)
 
 

@@ -135,7 +135,7 @@ def linearise(fixed: FilmConstants, last: LastStep) -> Linearisation:
         dry = -shear.area * last.stress_slope
         normal = shear.area * last.pressure_slope
         along = dry * shear.velocity / speed  # Eq. (F2), Eq. (F7)
-        if fixed.bearing:
+        if fixed.domain.bearing:
             across = dry * turning.velocity / speed
     to_turning = np.zeros((0, 0, 0, 0))
     around = CircumferentialSlopes(
@@ -147,7 +147,7 @@ def linearise(fixed: FilmConstants, last: LastStep) -> Linearisation:
         pressure=none,
         axial_across=none,
     )
-    if fixed.bearing:
+    if fixed.domain.bearing:
         to_turning = balance_slopes(fixed, last, last.slopes_around, fixed.share, 0.0)
         to_w = _raised_slopes(last.slopes_around, under.ratio)
         by_pressure = _by_pressure(shear, turning.velocity, couette, under)
@@ -202,7 +202,7 @@ def changes(
         by_contact = contact_changes(last.pressure_slope, hard, still)
         moved = hard + linear.weight * by_contact
     apply_stencils(linear.stencil, moved, velocity, right)
-    if fixed.bearing:
+    if fixed.domain.bearing:
         added = np.empty(hard.shape)
         apply_stencils(linear.stencil_around, still, turning, added)
         right += added
@@ -218,7 +218,7 @@ def changes(
     if last.touching:
         _add_contact_changes(linear.contact_pressure, hard, deflection, forces[FORCE.normal])
         _add_contact_changes(linear.contact_shear, hard, deflection, forces[FORCE.along])
-    if not fixed.bearing:
+    if not fixed.domain.bearing:
         return
     of_all = Changes(film, velocity, turning, unknown)
     circumferential.force_changes(

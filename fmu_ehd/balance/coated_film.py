@@ -25,11 +25,11 @@ from .film_step import (
     FilmSolution,
     FullCells,
     balance_pressure,
+    face_lift,
     film_slopes,
-    lift_along,
 )
 from .flow_film import FilmLaws, FlowFilm, ShearedOil, flow_film
-from .reynolds import Filling
+from .flows import Filling
 from .tangent import BY_FILM
 
 
@@ -99,7 +99,7 @@ def softness(
     inputs : film_step.BalanceInputs
         Whatever its film.
     flow : flow_film.FlowFilm
-    filling : reynolds.Filling
+    filling : flows.Filling
         With which the balance is solved.
     reduced : ndarray, shape (n_c, n_a)
         Reduced pressure that presses on the coating [Pa].
@@ -171,7 +171,8 @@ def balanced(
         lift=last.lift,
     )
     equations = film_step.equations_of(now, domain)
-    put(equations.lift, iterate.lift)
+    put(equations.lift.axial, iterate.lift.axial)
+    put(equations.lift.around, iterate.lift.around)
     cells = FullCells(iterate.unknown, iterate.full, factorisations, iterate.stencil)
     solution = film_step.completed(cells, equations, solver, True)
     return StepSolution(deflection, flow, solution, factorisations)
@@ -206,7 +207,7 @@ def solve(
     hard_film, deflection, unknown, _, sheared = pressed
     full = unknown > 0.0
     guess = inputs.full
-    lift = lift_along(inputs.lift, inputs.entrainment.axial, domain)
+    lift = face_lift(inputs.lift, inputs.entrainment, domain)
     factorisations = 0
     iteration = 0
     while True:

@@ -10,7 +10,18 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled, standing_for
 from ..common.faults import FAULT, refuse
-from ..common.grid import FIRST, LAST, OPENINGS, Array, Cells, Edges, Entrainment, Flags
+from ..common.grid import (
+    FIRST,
+    LAST,
+    OPENINGS,
+    Array,
+    Cells,
+    Edges,
+    Entrainment,
+    Flags,
+    axial_face_velocity,
+    face_velocity_around,
+)
 from ..common.quantities import STORED, FilmSlopes
 from ..laws import cavitation
 from ..laws.cavitation import Cavitation
@@ -23,10 +34,11 @@ from ..solvers.blocks import (
     substitute_one,
 )
 from ..solvers.sparse import LinearSolver
-from . import openings, reynolds, tangent, transport
-from .reynolds import Faces, Filling, Storage
+from . import flows, openings, reynolds, tangent
+from .flows import FaceLift, Faces, Filling
+from .reynolds import Storage
 from .storage import EulerStep
-from .transport import Lift
+from .transport import FRACTION_ROUNDOFF, Lift
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
 EVEN = 1e-9  # differences over the highest pressure up to which they may be round-off
@@ -39,7 +51,8 @@ class Domain(NamedTuple):
 
     cells : grid.Cells; open_cells : ndarray of bool, shape (n_c, n_a), cells without a film;
     has_openings : whether there are any; model : cavitation.Cavitation;
-    together : iterations in which all cells switch together, `cavitation.at_once`.
+    together : iterations in which all cells switch together, `cavitation.at_once`;
+    bearing : whether sliding carries the oil around, and not along the axis.
     """
 
     cells: Cells
@@ -47,6 +60,7 @@ class Domain(NamedTuple):
     has_openings: bool
     model: Cavitation
     together: int
+    bearing: bool
 
 
 class BalanceInputs(NamedTuple):
@@ -57,7 +71,7 @@ class BalanceInputs(NamedTuple):
     start : storage.EulerStep, content that it starts from, and its length;
     full : ndarray of bool, shape (n_c, n_a), guess of the full cells;
     softness : coating.Softness, `HARD` without a coating;
-    lift : transport.Lift, of the film fraction at the axial faces, `NO_LIFT` for none.
+    lift : transport.Lift, of the film fraction, `NO_LIFT` for none.
     """
 
     film: Array
@@ -72,13 +86,13 @@ class BalanceInputs(NamedTuple):
 class Equations(NamedTuple):
     """Eqs. (E1) to (E5) of one step, whatever cells are full.
 
-    lift : ndarray, shape (n_c, n_a + 1), as in `reynolds.Filling`;
+    lift : flows.FaceLift;
     follows_pattern : whether they depend on the pattern of full cells: in every model that
     switches, and under a coating, which follows no pressure that is cut off.
     """
 
     faces: Faces
-    lift: Array
+    lift: FaceLift
     storage: Storage
     edges: Edges
     softness: Softness
@@ -109,14 +123,14 @@ class FilmSolution(NamedTuple):
     pressure above cavitation pressure [Pa], film fraction [-], content f s [m];
     full : ndarray of bool, shape (n_c, n_a), True where the film is full;
     axial_flow : ndarray, shape (n_c, n_a + 1), flow through the axial faces, positive with
-    ascending j [m3/s];
+    ascending j [m3/s]; flow_around : ndarray, shape (n_c + 1, n_a), through those across i;
     edge_flow : ndarray, shape (4,), flow into the film over lower, upper, first, last edge [m3/s];
     from_openings : flow into the film from all openings, or over both ends of a sector [m3/s];
     spilled : ndarray, shape (n_c, n_a), `openings.spilled`; without openings of shape (0, 0);
     mass_imbalance : |inflow - growth| / throughput [-], rates at the end of the step, growth by Eq.
     (T1); throughput = edge flows + growth, at least 0.1 % of the film volume a step;
     iterations : number of factorisations;
-    lift : ndarray, shape (n_c, n_a + 1), of the film fraction at the axial faces [-];
+    lift : flows.FaceLift;
     stencil : ndarray, shape (5, n_c, n_a), that was factorised last.
     """
 
@@ -126,12 +140,13 @@ class FilmSolution(NamedTuple):
     content: Array
     full: Flags
     axial_flow: Array
+    flow_around: Array
     edge_flow: Array
     from_openings: float
     spilled: Array
     mass_imbalance: float
     iterations: int
-    lift: Array
+    lift: FaceLift
     stencil: Array
 
 
@@ -300,31 +315,51 @@ def rounded_cells(
 
 
 @compiled
-def give_up_lift(lift: Array, unknown: Array, full: Flags):
+def give_up_lift(lift: FaceLift, unknown: Array, full: Flags):
     """Remove the lift from rows in which a cell would owe oil; return whether there was any.
 
     Film or velocity jumped there.
     """
-    owing = transport.owing(unknown, full)
-    found = False
-    for i in range(lift.shape[0]):
-        if owing[i]:
-            for j in range(lift.shape[1]):
-                found = found or lift[i, j] != 0.0
-                lift[i, j] = 0.0
-    return found
+    gives_up = False
+    for i in range(unknown.shape[0]):
+        for j in range(unknown.shape[1]):
+            if full[i, j] or unknown[i, j] >= -1.0 - FRACTION_ROUNDOFF:
+                continue
+            gives_up = gives_up or lift.axial[i].any() or lift.around[:, j].any()
+            lift.axial[i] = 0.0
+            lift.around[:, j] = 0.0
+    return gives_up
 
 
 @compiled
-def lift_along(lift: Lift, axial_velocity: Array, domain: Domain):
-    """Return the lift of the film fraction at the axial faces, shape (n_c, n_a + 1).
+def sliding_velocity(entrainment: Entrainment, domain: Domain):
+    """Return the entrainment velocity at the faces that sliding carries the oil through [m/s].
 
-    It holds for the velocity at the end of a step, and is 0 if cavities hold no oil.
+    Their shape is (n_c, n_a + 1), of a bearing (n_c + 1, n_a).
     """
-    if lift.fraction.size == 0 or not domain.model.conserving:
-        n_c, n_a = axial_velocity.shape
-        return np.zeros((n_c, n_a + 1))
-    return transport.along(lift, axial_velocity, domain.open_cells)
+    if domain.bearing:
+        return face_velocity_around(
+            entrainment.circumferential, domain.open_cells, domain.cells.ring
+        )
+    return axial_face_velocity(entrainment.axial, domain.open_cells)
+
+
+@compiled
+def face_lift(lift: Lift, entrainment: Entrainment, domain: Domain):
+    """Return `flows.FaceLift` for the velocity at the end of a step.
+
+    It is 0 where oil does not go on in the direction that the lift holds for, and if cavities hold
+    no oil.
+    """
+    at_end = flows.no_lift(domain.open_cells.shape)
+    if lift.fraction.size > 0 and domain.model.conserving:
+        velocity = sliding_velocity(entrainment, domain)
+        at_faces = at_end.around if domain.bearing else at_end.axial
+        for i in range(velocity.shape[0]):
+            for j in range(velocity.shape[1]):
+                if velocity[i, j] * lift.travel[i, j] > 0.0:
+                    at_faces[i, j] = lift.fraction[i, j]
+    return at_end
 
 
 @compiled
@@ -347,7 +382,7 @@ def equations_of(given: BalanceInputs, domain: Domain):
     if domain.has_openings:
         openings.close(domain.open_cells, faces)
         openings.starve(domain.open_cells, faces, given.edges.limit)
-    lift = lift_along(given.lift, given.entrainment.axial, domain)
+    lift = face_lift(given.lift, given.entrainment, domain)
     rate = domain.cells.dx * domain.cells.dy / given.start.length
     held = Storage(film[STORED], given.start.content, rate)
     model = domain.model
@@ -381,14 +416,14 @@ def first_guess(full: Flags, equations: Equations):
 def solved(found: FullCells, pressure: Array, balance: reynolds.Balance, equations: Equations):
     """`FilmSolution` with its flows."""
     filling = Filling(pressure, balance.film_fraction, equations.lift)
-    flow = reynolds.axial_flow(filling, equations.faces, equations.edges)
+    flow = flows.axial_flow(filling, equations.faces, equations.edges)
     domain = equations.domain
     spilled = np.zeros((0, 0))
     from_openings = 0.0
     if not (domain.cells.ring or domain.cells.mirrored):
         from_openings = balance.edge_flow[FIRST] + balance.edge_flow[LAST]
     elif domain.has_openings:
-        spilled = openings.spilled(domain.open_cells, filling, equations.faces)
+        spilled = openings.spilled(domain.open_cells, balance.flow_around)
         from_openings = openings.inflow(domain.open_cells, flow, spilled)
     return FilmSolution(
         unknown=found.unknown,
@@ -397,6 +432,7 @@ def solved(found: FullCells, pressure: Array, balance: reynolds.Balance, equatio
         content=balance.content,
         full=found.full,
         axial_flow=flow,
+        flow_around=balance.flow_around,
         edge_flow=balance.edge_flow,
         from_openings=from_openings,
         spilled=spilled,
@@ -537,11 +573,12 @@ def film_slopes(
         film = openings.freed(domain.open_cells, film)
         faces = reynolds.faces(film, entrainment, domain.open_cells, cells)
         bounded = openings.starve(domain.open_cells, faces, edges.limit)
-        lift = lift.copy()
-        for i in range(lift.shape[0]):
-            for j in range(lift.shape[1]):
+        axial = lift.axial.copy()
+        for i in range(axial.shape[0]):
+            for j in range(axial.shape[1]):
                 if bounded[i, j]:
-                    lift[i, j] = -1.0  # a given inflow follows neither film nor velocity
+                    axial[i, j] = -1.0  # a given inflow follows neither film nor velocity
+        lift = FaceLift(axial, lift.around)
     stencil = tangent.linearise(
         film,
         slopes,
@@ -554,8 +591,8 @@ def film_slopes(
     )
     for m in range(2):
         for k in range(5):
-            for i in range(lift.shape[0]):
-                for j in range(lift.shape[1] - 1):
+            for i in range(domain.open_cells.shape[0]):
+                for j in range(domain.open_cells.shape[1]):
                     if domain.open_cells[i, j]:
                         stencil[m, k, i, j] = 0.0
     return stencil

@@ -13,7 +13,7 @@ import numpy as np
 from ...master.fmi.compiled import compiled
 from ..common.grid import Array, Cells, Flags, row_at
 from ..common.quantities import CONDUCTIVITY_A, CONDUCTIVITY_C
-from .reynolds import Faces, Filling
+from .flows import Faces
 
 FREE = 1e30  # conductivity of an opening: no resistance [m3/(Pa s)]
 
@@ -91,29 +91,17 @@ def close(open_cells: Flags, faces: Faces):
 
 
 @compiled
-def spilled(open_cells: Flags, filling: Filling, faces: Faces):
-    """Return the flow into each opening from its neighbours around the circumference, Eq. (E2).
+def spilled(open_cells: Flags, around: Array):
+    """Return the flow into each opening from its neighbours around the circumference.
 
-    The shape is (n_c, n_a) [m3/s]; it is 0 elsewhere.
+    The shape is (n_c, n_a) [m3/s]; it is 0 elsewhere. `around` is of `flows.flow_around`.
     """
-    pressure, fraction, _ = filling
     n_c, n_a = open_cells.shape
-    flow = np.empty((n_c, n_a))
-    for i in range(n_c):
-        before = (i - 1) % n_c
-        for j in range(n_a):
-            transport = faces.transport_c[i, j]
-            # Eq. (E2)
-            through = faces.conductance_c[i, j] * (pressure[before, j] - pressure[i, j])
-            through += max(transport, 0.0) * fraction[before, j]
-            through += min(transport, 0.0) * fraction[i, j]
-            flow[i, j] = through
     into = np.zeros((n_c, n_a))
     for i in range(n_c):
-        after = (i + 1) % n_c
         for j in range(n_a):
             if open_cells[i, j]:
-                into[i, j] = flow[i, j] - flow[after, j]
+                into[i, j] = around[i, j] - around[i + 1, j]
     return into
 
 
@@ -144,7 +132,7 @@ def starve(open_cells: Flags, faces: Faces, limit: Array):
     Parameters
     ----------
     open_cells : ndarray of bool, shape (n_c, n_a)
-    faces : reynolds.Faces
+    faces : flows.Faces
     limit : ndarray, shape (n_c, n_a + 1)
         S [m3/s], `grid.Edges`.
 

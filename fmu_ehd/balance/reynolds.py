@@ -65,33 +65,19 @@ from ..common.grid import (
     UPPER,
     WEST,
     Array,
-    AxialFaces,
     Cells,
     Edges,
     Entrainment,
-    Field,
     Flags,
     face_shares,
     images,
 )
 from ..common.quantities import CONDUCTIVITY_A, CONDUCTIVITY_C, TRANSPORT
+from .flows import FaceLift, Faces, Filling, dragged, outflow
 
 # share of the gross flows, and of the film volume a step, that the throughput of a film is taken
 # for at least
 LEAST_THROUGHPUT = 1e-3
-
-
-class Faces(NamedTuple):
-    """Conductances K [m3/(Pa s)] and transports T [m3/s] of all faces, Eq. (E3).
-
-    conductance_c, transport_c : ndarray, shape (n_c + 1, n_a), across i.
-    conductance_a, transport_a : ndarray, shape (n_c, n_a + 1), across j.
-    """
-
-    conductance_c: Array
-    transport_c: Array
-    conductance_a: Array
-    transport_a: Array
 
 
 class Storage(NamedTuple):
@@ -109,36 +95,6 @@ class Storage(NamedTuple):
     area_per_step: float
 
 
-class Filling(NamedTuple):
-    """Pressure and film fraction of a film, Eq. (E4).
-
-    pressure, film_fraction : ndarray, shape (n_c, n_a)
-        p above cavitation pressure [Pa], f [-].
-    lift : ndarray, shape (n_c, n_a + 1)
-        l at the axial faces [-].
-    """
-
-    pressure: Field
-    film_fraction: Field
-    lift: AxialFaces
-
-
-class Outflow(NamedTuple):
-    """Flows of a film, Eq. (E2).
-
-    cells : ndarray, shape (n_c, n_a)
-        Sum of outward face flows of each cell [m3/s].
-    edges : ndarray, shape (4,)
-        Flow into the film over lower, upper, first, last edge [m3/s].
-    gross : float
-        Sum of the magnitudes of both terms of Eq. (E2) over the edges [m3/s].
-    """
-
-    cells: Array
-    edges: Array
-    gross: float
-
-
 class Balance(NamedTuple):
     """Residual of Eq. (E1).
 
@@ -148,6 +104,8 @@ class Balance(NamedTuple):
         As `Outflow.edges`.
     imbalance : float
         |inflow - growth| / throughput of the whole film [-].
+    flow_around : ndarray, shape (n_c + 1, n_a)
+        As `Outflow.around`.
     """
 
     film_fraction: Array
@@ -155,6 +113,7 @@ class Balance(NamedTuple):
     residual: Array
     edge_flow: Array
     imbalance: float
+    flow_around: Array
 
 
 @compiled(forceinline=True)
@@ -233,22 +192,18 @@ def faces(film: Array, entrainment: Entrainment, open_cells: Flags, cells: Cells
 
 
 @compiled(forceinline=True)
-def _dragged(t, fraction, limit):
-    """Return what sliding drags in over an edge, Eq. (E12); t : transport into the film."""
-    return min(max(t, 0.0) * fraction, limit)  # Eq. (E12)
-
-
-@compiled(forceinline=True)
 def _inflow_part(k, t, pressure, fraction, limit):
     """Return the known part of the flow over an edge into a full film, Eq. (E5).
 
     The edge drives it in; t : transport into the film.
     """
-    return k * pressure + _dragged(t, fraction, limit) + min(t, 0.0)
+    return k * pressure + dragged(t, fraction, limit) + min(t, 0.0)
 
 
 @compiled
-def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Edges, cells: Cells):
+def assemble(
+    full: Flags, faces: Faces, lift: FaceLift, storage: Storage, edges: Edges, cells: Cells
+):
     """Return five-point matrix and right-hand side of Eq. (E1), by Eq. (E5).
 
     The pattern of full cells is given.
@@ -258,8 +213,7 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
     full : ndarray of bool, shape (n_c, n_a)
         Pattern: True where u is pressure.
     faces : Faces
-    lift : ndarray, shape (n_c, n_a + 1)
-        As in `Filling`.
+    lift : FaceLift
     storage : Storage
     edges : grid.Edges
     cells : grid.Cells
@@ -272,6 +226,7 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
         [m3/s].
     """
     k_c, t_c, k_a, t_a = faces
+    lift_axial, lift_around = lift
     stored, content, area_per_step = storage
     edge_pressure, edge_fraction, _ = edges
     ring = cells.ring
@@ -295,18 +250,20 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
             if ring or 0 < i < n_c:
                 stencil[CENTRE, a, j] += c_a
                 stencil[EAST, a, j] += c_b
-                right[a, j] -= t
+                right[a, j] -= t * (1.0 + lift_around[i, j])
                 stencil[CENTRE, b, j] -= c_b
                 stencil[WEST, b, j] -= c_a
-                right[b, j] += t
+                right[b, j] += t * (1.0 + lift_around[i, j])
             elif i == 0:
                 stencil[CENTRE, b, j] -= c_b
                 right[b, j] += _inflow_part(
                     k, t, edge_pressure[FIRST], edge_fraction[FIRST], np.inf
                 )
+                right[b, j] += min(t, 0.0) * lift_around[i, j]
             else:
                 stencil[CENTRE, a, j] += c_a
                 right[a, j] += _inflow_part(k, -t, edge_pressure[LAST], edge_fraction[LAST], np.inf)
+                right[a, j] += min(-t, 0.0) * lift_around[i, j]
     for i in range(n_c):
         k = k_a[i, 0]
         t = t_a[i, 0]
@@ -314,7 +271,7 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
         right[i, 0] += _inflow_part(
             k, t, edge_pressure[LOWER], edge_fraction[LOWER], edges.limit[i, 0]
         )
-        right[i, 0] += min(t, 0.0) * lift[i, 0]
+        right[i, 0] += min(t, 0.0) * lift_axial[i, 0]
         for j in range(1, n_a):
             k = k_a[i, j]
             t = t_a[i, j]
@@ -322,17 +279,17 @@ def assemble(full: Flags, faces: Faces, lift: Array, storage: Storage, edges: Ed
             c_b = -k if full[i, j] else min(t, 0.0)
             stencil[CENTRE, i, j - 1] += c_a
             stencil[NORTH, i, j - 1] += c_b
-            right[i, j - 1] -= t * (1.0 + lift[i, j])
+            right[i, j - 1] -= t * (1.0 + lift_axial[i, j])
             stencil[CENTRE, i, j] -= c_b
             stencil[SOUTH, i, j] -= c_a
-            right[i, j] += t * (1.0 + lift[i, j])
+            right[i, j] += t * (1.0 + lift_axial[i, j])
         k = k_a[i, n_a]
         t = t_a[i, n_a]
         stencil[CENTRE, i, n_a - 1] += k if full[i, n_a - 1] else max(t, 0.0)
         right[i, n_a - 1] += _inflow_part(
             k, -t, edge_pressure[UPPER], edge_fraction[UPPER], edges.limit[i, n_a]
         )
-        right[i, n_a - 1] += min(-t, 0.0) * lift[i, n_a]
+        right[i, n_a - 1] += min(-t, 0.0) * lift_axial[i, n_a]
     return stencil, right
 
 
@@ -357,130 +314,12 @@ def hold(fixed: Flags, value: float, stencil: Array, right: Array):
                 right[i, j] = value
 
 
-@compiled(forceinline=True)
-def _flow(k, t, p_a, p_b, f_a, f_b):
-    """Face flow, Eq. (E2)."""
-    return k * (p_a - p_b) + max(t, 0.0) * f_a + min(t, 0.0) * f_b  # Eq. (E2)
-
-
-@compiled(forceinline=True)
-def _inflow(k, t, pressure, fraction, cell_pressure, cell_fraction, limit):
-    """Flow over an edge into a cell, Eqs. (E2), (E12); t transport into the film."""
-    drawn = k * (pressure - cell_pressure)
-    return drawn + _dragged(t, fraction, limit) + min(t, 0.0) * cell_fraction
-
-
-@compiled(forceinline=True)
-def _inflow_axial(filling, faces, edges, i, edge):
-    """Flow into row i over the lower or the upper edge [m3/s]."""
-    n_a = filling.pressure.shape[1]
-    j = 0 if edge == LOWER else n_a - 1
-    face = 0 if edge == LOWER else n_a
-    t = faces.transport_a[i, face]
-    return _inflow(
-        faces.conductance_a[i, face],
-        t if edge == LOWER else -t,
-        edges.pressure[edge],
-        edges.film_fraction[edge],
-        filling.pressure[i, j],
-        filling.film_fraction[i, j] + filling.lift[i, face],
-        edges.limit[i, face],
-    )
-
-
-@compiled
-def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
-    """Flows out of the cells and over the edges, Eq. (E2).
-
-    Parameters
-    ----------
-    filling : Filling
-    faces : Faces
-    edges : grid.Edges
-    ring : bool
-
-    Returns
-    -------
-    Outflow
-    """
-    p, f, lift = filling
-    k_c, t_c, k_a, t_a = faces
-    edge_p, edge_f, _ = edges
-    n_c, n_a = p.shape
-    out = np.zeros((n_c, n_a))
-    inflow = np.zeros(4)
-    gross = 0.0
-    last = n_a - 1
-    for i in range(n_c):
-        q = _inflow_axial(filling, faces, edges, i, LOWER)
-        inflow[LOWER] += q
-        out[i, 0] -= q
-        for j in range(1, n_a):
-            q = _flow(k_a[i, j], t_a[i, j], p[i, j - 1], p[i, j], f[i, j - 1], f[i, j])
-            q += t_a[i, j] * lift[i, j]
-            out[i, j - 1] += q
-            out[i, j] -= q
-        q = _inflow_axial(filling, faces, edges, i, UPPER)
-        inflow[UPPER] += q
-        out[i, last] -= q
-        gross += k_a[i, 0] * (p[i, 0] + edge_p[LOWER]) + abs(t_a[i, 0])
-        gross += k_a[i, n_a] * (p[i, last] + edge_p[UPPER]) + abs(t_a[i, n_a])
-    last = n_c - 1
-    for j in range(n_a):
-        for i in range(1, n_c):
-            q = _flow(k_c[i, j], t_c[i, j], p[i - 1, j], p[i, j], f[i - 1, j], f[i, j])
-            out[i - 1, j] += q
-            out[i, j] -= q
-        if ring:
-            q = _flow(k_c[0, j], t_c[0, j], p[last, j], p[0, j], f[last, j], f[0, j])
-            out[last, j] += q
-            out[0, j] -= q
-        else:
-            q = _flow(k_c[0, j], t_c[0, j], edge_p[FIRST], p[0, j], edge_f[FIRST], f[0, j])
-            inflow[FIRST] += q
-            out[0, j] -= q
-            q = _flow(k_c[n_c, j], t_c[n_c, j], p[last, j], edge_p[LAST], f[last, j], edge_f[LAST])
-            inflow[LAST] -= q
-            out[last, j] += q
-            gross += k_c[0, j] * (p[0, j] + edge_p[FIRST]) + abs(t_c[0, j])
-            gross += k_c[n_c, j] * (p[last, j] + edge_p[LAST]) + abs(t_c[n_c, j])
-    return Outflow(out, inflow, gross)
-
-
-@compiled
-def axial_flow(filling: Filling, faces: Faces, edges: Edges):
-    """Flow through all axial faces, Eq. (E2), positive with ascending j.
-
-    Parameters
-    ----------
-    filling : Filling
-    faces : Faces
-    edges : grid.Edges
-
-    Returns
-    -------
-    ndarray, shape (n_c, n_a + 1)
-        [m3/s].
-    """
-    p, f, lift = filling
-    k, t = faces.conductance_a, faces.transport_a
-    n_c, n_a = p.shape
-    flow = np.empty((n_c, n_a + 1))
-    for i in range(n_c):
-        flow[i, 0] = _inflow_axial(filling, faces, edges, i, LOWER)
-        flow[i, n_a] = -_inflow_axial(filling, faces, edges, i, UPPER)
-        for j in range(1, n_a):
-            flow[i, j] = _flow(k[i, j], t[i, j], p[i, j - 1], p[i, j], f[i, j - 1], f[i, j])
-            flow[i, j] += t[i, j] * lift[i, j]
-    return flow
-
-
 @compiled
 def balance(
     pressure: Array,
     deficit: Array,
     faces: Faces,
-    lift: Array,
+    lift: FaceLift,
     storage: Storage,
     edges: Edges,
     open_cells: Flags,
@@ -495,8 +334,7 @@ def balance(
     pressure, deficit : ndarray, shape (n_c, n_a)
         Pressure above cavitation pressure [Pa], film fraction - 1 [-].
     faces : Faces
-    lift : ndarray, shape (n_c, n_a + 1)
-        As in `Filling`.
+    lift : FaceLift
     storage : Storage
     edges : grid.Edges
     open_cells : ndarray of bool, shape (n_c, n_a)
@@ -509,7 +347,8 @@ def balance(
     """
     stored, content, area_per_step = storage
     fraction = 1.0 + deficit
-    out, edge_flow, gross = outflow(Filling(pressure, fraction, lift), faces, edges, cells.ring)
+    filling = Filling(pressure, fraction, lift)
+    out, edge_flow, gross, around = outflow(filling, faces, edges, cells.ring)
     now = np.empty_like(pressure)
     residual = np.empty_like(pressure)
     total = 0.0
@@ -539,4 +378,11 @@ def balance(
     # moves
     floor = max(LEAST_THROUGHPUT * gross, LEAST_THROUGHPUT * area_per_step * volume, 1e-300)
     imbalance = abs(inflow - total) / max(throughput, floor)
-    return Balance(fraction, now, residual, edge_flow, imbalance)
+    return Balance(
+        film_fraction=fraction,
+        content=now,
+        residual=residual,
+        edge_flow=edge_flow,
+        imbalance=imbalance,
+        flow_around=around,
+    )

@@ -33,7 +33,7 @@ from ..common.grid import (
     images,
 )
 from ..common.quantities import CONDUCTIVITY_A, CONDUCTIVITY_C, STORED, TRANSPORT, FilmSlopes
-from .reynolds import Filling
+from .flows import Filling
 
 # first axis of the tangent of the film balance: derivative to film thickness and to sliding
 # velocity
@@ -148,7 +148,7 @@ def _add_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, c
             face = 0 if edge == LOWER else n_a
             if -sign * width * u[i, j] * t[i, j] * entering > edges.limit[i, face]:
                 entering = 0.0  # a given inflow follows neither film nor velocity
-            leaving = lift[i, face]
+            leaving = lift.axial[i, face]
             outside = edges.pressure[edge]
             q = _edge_slopes(cell, u[i, j], outside, entering, sign, aspect, width, leaving)
             _add_edge(q, sign, CONDUCTIVITY_A, slopes, du, centre, i, j)
@@ -162,7 +162,9 @@ def _add_edges(film, slopes, entrainment, dentrainment, filling, edges, cells, c
         for edge, i, sign in ((FIRST, 0, -1.0), (LAST, n_c - 1, 1.0)):
             cell = _side(g, t, pressure, fraction, i, j)
             entering = edges.film_fraction[edge]
-            q = _edge_slopes(cell, u[i, j], edges.pressure[edge], entering, sign, aspect, dy)
+            leaving = lift.around[0 if edge == FIRST else n_c, j]
+            outside = edges.pressure[edge]
+            q = _edge_slopes(cell, u[i, j], outside, entering, sign, aspect, dy, leaving)
             _add_edge(q, sign, CONDUCTIVITY_C, slopes, du, centre, i, j)
 
 
@@ -209,7 +211,7 @@ def linearise(
     slopes : quantities.FilmSlopes
     streams : (grid.Entrainment, grid.Entrainment)
         Entrainment [m/s], and its derivatives to the sliding velocity [-].
-    filling : reynolds.Filling
+    filling : flows.Filling
     edges : grid.Edges
     open_cells : ndarray of bool, shape (n_c, n_a)
         Cells without a film, whose velocity has no effect.
@@ -245,7 +247,7 @@ def linearise(
             b = _side(g, t, pressure, fraction, i, j + 1)
             share_a, share_b = face_shares(open_cells[i, j], open_cells[i, j + 1])
             velocity = share_a * u[i, j] + share_b * u[i, j + 1]
-            q = _flow_slopes(a, b, velocity, width / dy, width, lift[i, j + 1])
+            q = _flow_slopes(a, b, velocity, width / dy, width, lift.axial[i, j + 1])
             by_a, by_b = share_a * q.velocity, share_b * q.velocity
             here = _of_cell(q.g_a, q.t_a, by_a, CONDUCTIVITY_A, slopes, du, i, j)
             there = _of_cell(q.g_b, q.t_b, by_b, CONDUCTIVITY_A, slopes, du, i, j + 1)
@@ -263,7 +265,7 @@ def linearise(
             b = _side(g, t, pressure, fraction, k, j)
             share_a, share_b = face_shares(open_cells[i, j], open_cells[k, j])
             velocity = share_a * u[i, j] + share_b * u[k, j]
-            q = _flow_slopes(a, b, velocity, height / dx, height)
+            q = _flow_slopes(a, b, velocity, height / dx, height, lift.around[i + 1, j])
             by_a, by_b = share_a * q.velocity, share_b * q.velocity
             here = _of_cell(q.g_a, q.t_a, by_a, CONDUCTIVITY_C, slopes, du, i, j)
             there = _of_cell(q.g_b, q.t_b, by_b, CONDUCTIVITY_C, slopes, du, k, j)

@@ -1,9 +1,13 @@
-"""Transport of oil along a cavitated film, by a lift of the film fraction at the axial faces.
+"""Transport of oil in a cavitated film, by a lift of the film fraction at faces.
+
+Sliding carries the oil along the axis of a skirt, and around the circumference of a bearing. In
+this file a row of cells follows that direction: cell j, counted along it, has the faces j and
+j + 1. `oil_rows.PastRows` arranges the cells of a bearing so. Across the rows there is no lift.
 
 The film fraction of the upstream cell alone smears a front of oil over more and more cells. Oil in
 a cavitated film moves without pressure, so its motion is known when a step begins. An explicit
 scheme computes it and keeps fronts sharp. The difference from the transport of the implicit step
-is a lift l of the film fraction at the axial faces, Eq. (E2):
+is a lift l of the film fraction at the faces, Eq. (E2):
 
 Eq. (T11):  l = (F - beta_t F_n) / (w X H_e/H h_U) - f*_up,   |l| <= 3 (1 - f*)
 
@@ -23,14 +27,14 @@ order where m is smooth [Koren1993]; the two others keep m at the face between i
 the oil of an explicit step positive and without new extremes. By Eq. (T14) the lift fades where the
 film gets full. Pressure determines the flow out of a full cell, which has no lift, and no lift may
 appear when a cell fills or empties. Film quantities are those expected in the middle of the step,
-for f* those at its end. `gain` is the content that came in circumferentially in the last step. The
+for f* those at its end. `gain` is the content that came in from other rows in the last step. The
 flow through a face next to a full cell is that of the last step.
 
 At an edge or opening through which oil leaves, there is no cell behind. Two cells before it give m:
 
 Eq. (T17):  m = 2 m_up - m_before,   not below 0, not above h_U
 
-Where oil enters a full zone, the last cell before it holds the front:
+Where oil enters a full zone of a skirt, the last cell before it holds the front:
 
 Eq. (T16):  l = (1 - f_in) / 2 + (f_in - f_z) (a - 1/2)      at the face into the full zone
 
@@ -58,11 +62,11 @@ of the last one holds for the rest. So any step has a lift, and a film that sett
 settles at the same front as in short ones, or at the next one that Eq. (T16) allows.
 
 In some places there is no lift, and transport is of first order: at faces behind a full cell, at
-edges through which oil enters, in the first step, where sliding reverses, and around the
-circumference. If film or velocity jump within a step, a cell can owe oil. Its row is then solved
-again without lift.
+edges through which oil enters, in the first step, where sliding reverses, and at the fronts of a
+bearing. There oil also goes sideways, and with Eq. (T16) long steps would not settle. If film or
+velocity jump within a step, a cell can owe oil. Its row is then solved again without lift.
 
-Arrays have the shape (n_c, n_a) of the grid, (n_c, n_a + 1) of its axial faces.
+Arrays have the shape (rows, n) of the cells, (rows, n + 1) of their faces.
 
 References
 ----------
@@ -75,8 +79,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
-from ..common.grid import LOWER, OPENINGS, UPPER, Array, Cells, Edges, Flags, face_shares, images
-from ..common.quantities import CONDUCTIVITY_A, STORED, TRANSPORT
+from ..common.grid import LOWER, OPENINGS, UPPER, Array, Cells, Edges, Flags, images
+from ..common.quantities import CONDUCTIVITY, STORED, TRANSPORT
 
 NEAREST = 1e-9  # cells of travel in a step, below which there is no lift: only round-off moves
 FARTHEST = 16.0  # cells that the explicit steps cover at most
@@ -95,7 +99,7 @@ class CellStates(NamedTuple):
     full, resting : ndarray of bool, shape (n_c, n_a)
         Cells that are full; and those that are, or have no film.
     gained : ndarray, shape (n_c, n_a)
-        Content that came in circumferentially [m].
+        Content that came in from other rows [m].
     """
 
     full: Flags
@@ -112,7 +116,7 @@ class StepRatios(NamedTuple):
 
 
 class Lift(NamedTuple):
-    """Eq. (T11), each ndarray of shape (n_c, n_a + 1).
+    """Eq. (T11), each ndarray of shape (n_c, n_a + 1), of a bearing (n_c + 1, n_a).
 
     fraction : lift of the film fraction at a face [-]; travel : X it holds for [m].
     """
@@ -150,7 +154,7 @@ class TransportFilm(NamedTuple):
     """Film that oil is carried through in a step.
 
     stored, mobile : ndarray, shape (n_c, n_a), stored and transported film s and t [m];
-    between : ndarray, shape (n_c, n_a + 1), transported film at the axial faces [m];
+    between : ndarray, shape (rows, n + 1), transported film at the faces [m];
     travel : ndarray, shape (n_c, n_a + 1), X [m];
     full, resting : ndarray of bool, shape (n_c, n_a), as in `CellStates`;
     supply : ndarray, shape (2, n_c), film fraction at lower and upper edge [-];
@@ -302,7 +306,7 @@ def _expected_film(past, states, ratio, travel, supply, width):
     """Return the film that is expected after the share `ratio` of the last step."""
     stored = _expected(past, STORED, ratio)
     mobile = _expected(past, TRANSPORT, ratio)
-    between = _face_film(mobile, _expected(past, CONDUCTIVITY_A, ratio), states)
+    between = _face_film(mobile, _expected(past, CONDUCTIVITY, ratio), states)
     return TransportFilm(
         stored=stored,
         mobile=mobile,
@@ -337,7 +341,15 @@ def _entering(fraction, limit, step, swept):
 
 
 @compiled
-def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: float, cells: Cells):
+def lift(
+    past: Any,
+    states: CellStates,
+    pace: StepRatios,
+    edges: Edges,
+    step: float,
+    cells: Cells,
+    at_fronts: bool,
+):
     """Lift of the film fraction at the axial faces for the step to come.
 
     Parameters
@@ -349,6 +361,8 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
     step : float
         H [s].
     cells : grid.Cells
+    at_fronts : bool
+        Whether faces into full cells have a lift, Eq. (T16).
 
     Returns
     -------
@@ -435,94 +449,6 @@ def lift(past: Any, states: CellStates, pace: StepRatios, edges: Edges, step: fl
                 fuller = max(fuller, content[down] / end.stored[i, down])
             room = NEAR_FULL_WITH_MEMORY * max(1.0 - fuller, 0.0)
             fraction[i, j] = min(max(wanted, -room), room)
-        _lift_at_fronts(i, end, given, through, content, past, area, fraction)
+        if at_fronts:
+            _lift_at_fronts(i, end, given, through, content, past, area, fraction)
     return Lift(fraction, travel)
-
-
-@compiled(forceinline=True)
-def _velocity_at(axial_velocity, open_cells, i, j):
-    """Entrainment velocity at axial face j of row i [m/s]."""
-    below = max(j - 1, 0)
-    above = min(j, axial_velocity.shape[1] - 1)
-    share_a, share_b = face_shares(open_cells[i, below], open_cells[i, above])
-    return share_a * axial_velocity[i, below] + share_b * axial_velocity[i, above]
-
-
-@compiled
-def along(lift: Lift, axial_velocity: Array, open_cells: Flags):
-    """Lift at the faces where oil goes on in the direction that the lift holds for, else 0.
-
-    Parameters
-    ----------
-    lift : Lift
-    axial_velocity : ndarray, shape (n_c, n_a)
-        Entrainment velocity of the step [m/s].
-    open_cells : ndarray of bool, shape (n_c, n_a)
-        Cells without a film, whose velocity has no effect.
-
-    Returns
-    -------
-    ndarray, shape (n_c, n_a + 1)
-    """
-    fraction = np.zeros_like(lift.fraction)
-    n_c, n_a = axial_velocity.shape
-    for i in range(n_c):
-        for j in range(n_a + 1):
-            onward = _velocity_at(axial_velocity, open_cells, i, j)
-            if onward * lift.travel[i, j] > 0.0:
-                fraction[i, j] = lift.fraction[i, j]
-    return fraction
-
-
-@compiled
-def travelled(
-    travel: Array, pace: StepRatios, axial_velocity: Array, open_cells: Flags, length: float
-):
-    """Travel of a step at the axial faces, Eq. (T15).
-
-    Parameters
-    ----------
-    travel : ndarray, shape (n_c, n_a + 1)
-        X_{n-1} of the step before [m].
-    pace : StepRatios
-    axial_velocity : ndarray, shape (n_c, n_a)
-        U at the end of the step [m/s].
-    open_cells : ndarray of bool, shape (n_c, n_a)
-        As in `along`.
-    length : float
-        H_e [s].
-
-    Returns
-    -------
-    ndarray, shape (n_c, n_a + 1)
-        X_n [m].
-    """
-    n_c, n_a = axial_velocity.shape
-    after = np.empty_like(travel)
-    for i in range(n_c):
-        for j in range(n_a + 1):
-            moved = length * _velocity_at(axial_velocity, open_cells, i, j)
-            after[i, j] = pace.share * travel[i, j] + moved  # Eq. (T15)
-    return after
-
-
-@compiled
-def owing(unknown: Array, full: Flags):
-    """Rows i in which a cell would owe oil.
-
-    Parameters
-    ----------
-    unknown : ndarray, shape (n_c, n_a)
-        Signed unknown of a step.
-    full : ndarray of bool, shape (n_c, n_a)
-
-    Returns
-    -------
-    ndarray of bool, shape (n_c,)
-    """
-    rows = np.zeros(unknown.shape[0], np.bool_)
-    for i in range(unknown.shape[0]):
-        for j in range(unknown.shape[1]):
-            if not full[i, j] and unknown[i, j] < -1.0 - FRACTION_ROUNDOFF:
-                rows[i] = True
-    return rows

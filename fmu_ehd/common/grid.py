@@ -22,6 +22,7 @@ Array = NDArray[np.float64]  # of the shape that the docstring says
 Flags = NDArray[np.bool_]
 Field = Annotated[Array, "n_c, n_a"]
 AxialFaces = Annotated[Array, "n_c, n_a + 1"]
+FacesAround = Annotated[Array, "n_c + 1, n_a"]
 Stencil = Annotated[Array, "5, n_c, n_a"]
 
 # axis of the edges: both ends of the skirt, the two sides of a grid that is no ring, openings
@@ -99,6 +100,40 @@ def face_shares(open_a: bool, open_b: bool):
     if open_a:
         return 0.0, 1.0
     return 0.5, 0.5
+
+
+@compiled
+def axial_face_velocity(velocity: Array, open_cells: Flags):
+    """Return the entrainment velocity at the axial faces, shape (n_c, n_a + 1) [m/s].
+
+    velocity : ndarray, shape (n_c, n_a), along j [m/s].
+    """
+    n_c, n_a = velocity.shape
+    at_face = np.empty((n_c, n_a + 1))
+    for i in range(n_c):
+        for j in range(n_a + 1):
+            a = max(j - 1, 0)
+            b = min(j, n_a - 1)
+            share_a, share_b = face_shares(open_cells[i, a], open_cells[i, b])
+            at_face[i, j] = share_a * velocity[i, a] + share_b * velocity[i, b]
+    return at_face
+
+
+@compiled
+def face_velocity_around(velocity: Array, open_cells: Flags, ring: bool):
+    """Return the entrainment velocity at the faces across i, shape (n_c + 1, n_a) [m/s].
+
+    velocity : ndarray, shape (n_c, n_a), along i [m/s].
+    """
+    n_c, n_a = velocity.shape
+    at_face = np.empty((n_c + 1, n_a))
+    for i in range(n_c + 1):
+        a = (i - 1) % n_c if ring else max(i - 1, 0)
+        b = i % n_c if ring else min(i, n_c - 1)
+        for j in range(n_a):
+            share_a, share_b = face_shares(open_cells[a, j], open_cells[b, j])
+            at_face[i, j] = share_a * velocity[a, j] + share_b * velocity[b, j]
+    return at_face
 
 
 @compilable

@@ -11,7 +11,10 @@ from .grid import Array
 # s, h_U [m];  kappa across j and i [m3/(Pa s)];  c_v [Pa s/m];  b_p [m]
 STORED, TRANSPORT, CONDUCTIVITY_A, CONDUCTIVITY_C, COUETTE, POISEUILLE = range(6)
 QUANTITIES = 6
-CARRIERS = 3  # the first ones, which `transport` needs of the past
+CARRIERS = (
+    3  # what `transport` needs of the past: the first ones, with the conductivity along its rows
+)
+CONDUCTIVITY = 2
 Quantities = Annotated[Array, f"{QUANTITIES}, n_c, n_a"]
 Carriers = Annotated[Array, f"{CARRIERS}, n_c, n_a"]
 

@@ -120,7 +120,8 @@ def test_a_journal_that_touches_is_in_balance():
     forces = outputs["nodal_pressure_force"], outputs["nodal_circumferential_force"]
     assert np.hypot(*film_force(*forces) + load) <= 1e-9 * np.hypot(*load)
     again = film.steady(outputs["film_thickness"], **around)
-    assert np.array_equal(again["pressure"], outputs["pressure"])
+    highest = outputs["pressure"].max()
+    assert again["pressure"] == pytest.approx(outputs["pressure"], abs=1e-12 * highest)  # round-off
 
 
 def test_the_stiffness_of_a_journal_is_exact():

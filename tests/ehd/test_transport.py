@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import piston_cosim as pc
-from piston_cosim.fmu_ehd import step_parts
+from piston_cosim.fmu_ehd import oil_rows
 from piston_cosim.fmu_ehd.balance.transport import StepRatios
 from piston_cosim.fmu_ehd.common.grid import Edges
 from piston_cosim.fmu_ehd.common.quantities import CARRIERS
@@ -43,24 +43,42 @@ class Transport(NamedTuple):
     lowest: float
 
 
-def carry(cells, courant, supply, distance=0.5, sign=1.0):
-    """Run a parallel film between starved edges with supply(skirt lengths since t = 0) at inlet."""
+def carry(cells, courant, supply, distance=0.5, sign=1.0, bearing=False):
+    """Run a parallel film between starved edges with supply(skirt lengths since t = 0) at inlet.
+
+    The film of a bearing is a sector that is as long around as a skirt along its axis.
+    """
     p = Parameters((4, cells), film_fraction_lower_edge=EMPTY, film_fraction_upper_edge=EMPTY)
+    slides = np.full(p.shape, -2.0 * ENTRAINMENT * sign), None
+    inlet = "film_fraction_lower_edge" if sign > 0.0 else "film_fraction_upper_edge"
+    step = courant * p.skirt_length / cells / ENTRAINMENT
+    if bearing:
+        p = Parameters(
+            (cells, 4),
+            surface="bearing",
+            sector_angle=np.pi,
+            bore_radius=p.skirt_length / np.pi,
+            opening_supply="own",
+            film_fraction_openings=EMPTY,
+            film_fraction_lower_edge=EMPTY,
+            film_fraction_upper_edge=EMPTY,
+        )
+        slides = np.zeros(p.shape), np.full(p.shape, 2.0 * ENTRAINMENT * sign)
+        inlet = "film_fraction_openings"
     model = LubricationModel(p)
     film = np.full(p.shape, FILM)
-    velocity = np.full(p.shape, -2.0 * ENTRAINMENT * sign)
-    state, _ = model.start(film, velocity)
-    step = courant * p.skirt_length / cells / ENTRAINMENT
-    inlet = "film_fraction_lower_edge" if sign > 0.0 else "film_fraction_upper_edge"
+    state, _ = model.start(film, *slides)
     filling = int(np.ceil(2.0 * cells / courant))  # until the oil of the start is gone
     fractions = []
     imbalances = []
     for k in range(filling + round(distance * cells / courant)):
         since = (k + 1 - filling) * courant / cells
-        state, outputs = model.advance(state, film, velocity, step, **{inlet: supply(since)})
+        motion = film, slides[0], step, slides[1]
+        state, outputs = model.advance(state, *motion, **{inlet: supply(since)})
         imbalances.append(outputs["mass_imbalance"])
         if k >= filling:
-            fractions.append(outputs["film_fraction"][0])
+            fraction = outputs["film_fraction"]
+            fractions.append(fraction[:, 0] if bearing else fraction[0])
     fractions = np.array(fractions)
     last = fractions[-1] if sign > 0.0 else fractions[-1][::-1]
     return Transport(last, since, max(imbalances), fractions.max(), fractions.min())
@@ -146,7 +164,7 @@ def lift_of(contents, pressures, flows, sign, film_before=1.0, distance=TRAVEL):
     limit = np.full((1, n_a + 1), np.inf)
     edges = Edges(np.zeros(5), np.full(5, ENTERING), limit)
     pace = StepRatios(1.0, 0.0, 1.0)
-    return step_parts.lift(before, pace, edges, 1.0, FilmStep(grid).domain).fraction[0][along]
+    return oil_rows.lift(before, pace, edges, 1.0, FilmStep(grid).domain).fraction[0][along]
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -313,3 +331,56 @@ def test_a_step_of_any_length_leaves_a_steady_film_as_it_is(travel):
     for step in (travel * one, one, one):
         after = film.step(step=step, **conditions)["nodal_pressure_force"].sum()
         assert after == pytest.approx(load, rel=1e-9)  # its last steps changed it by less
+
+
+def turning_bearing(cells, shift, sign):
+    """Pressures of a bearing on scarce oil from a groove, turned by `shift` cells, after 80 steps.
+
+    Film thickness, velocity and length of the steps change.
+    """
+    around = (np.arange(cells) - shift) % cells
+    angle = 2.0 * np.pi * (around + 0.5) / cells
+    groove = np.repeat((around < 3)[:, None], 4, axis=1)
+    film = pc.Film(
+        (cells, 4),
+        surface="bearing",
+        open_cells=groove,
+        opening_supply="own",
+        film_fraction_openings=0.6,
+        film_fraction_lower_edge=0.0,
+        film_fraction_upper_edge=0.0,
+        bore_radius=0.025,
+        skirt_length=0.02,
+        viscosity=0.01,
+    )
+    once = np.ones((cells, 4))
+    film.start(25e-6 * once, circumferential_velocity=5.0 * sign)
+    pressures, imbalances = [], []
+    for k in range(80):
+        phase = 0.05 * k
+        thickness = 25e-6 * (1.0 - 0.7 * np.cos(angle - 2.0 + 0.5 * np.sin(phase)))
+        outputs = film.step(
+            thickness[:, None] * once,
+            (1.0 + 0.5 * (k % 3)) * 5e-4,
+            circumferential_velocity=5.0 * sign * (1.0 + 0.3 * np.sin(phase)),
+        )
+        pressures.append(np.roll(outputs["pressure"], -shift, axis=0))
+        imbalances.append(outputs["mass_imbalance"])
+    return np.array(pressures), max(imbalances)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_ring_has_no_seam(sign):
+    pressures, imbalance = turning_bearing(24, 0, sign)
+    assert imbalance <= 1e-12  # round-off
+    assert pressures.max() > 1e5
+    for shift in (1, 11, 23):
+        turned, _ = turning_bearing(24, shift, sign)
+        assert turned == pytest.approx(pressures, abs=1e-9 * pressures.max())  # of the solver
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_bearing_carries_oil_as_a_skirt_does(sign):
+    along, around = (carry(40, 0.7, front, sign=sign, bearing=bearing) for bearing in (False, True))
+    assert around.imbalance <= 1e-12  # round-off
+    assert around.fraction == pytest.approx(along.fraction, abs=1e-12)

@@ -9,10 +9,11 @@ from math import gamma, pi, sqrt
 import numpy as np
 import pytest
 
-from piston_cosim.fmu_ehd.balance import reynolds, tangent
+from piston_cosim.fmu_ehd.balance import flows, reynolds, tangent
 from piston_cosim.fmu_ehd.balance.films import smooth_film
 from piston_cosim.fmu_ehd.balance.flow_film import FilmLaws, ShearedOil, flow_film
-from piston_cosim.fmu_ehd.balance.reynolds import Filling, Storage
+from piston_cosim.fmu_ehd.balance.flows import Filling
+from piston_cosim.fmu_ehd.balance.reynolds import Storage
 from piston_cosim.fmu_ehd.balance.tangent import BY_FILM, BY_VELOCITY
 from piston_cosim.fmu_ehd.common.grid import (
     CENTRE,
@@ -44,7 +45,6 @@ DX, DY = 3e-3, 2e-3  # [m]
 CELLS = Cells(DX, DY, ring=False, mirrored=False)
 FLOODED = np.ones(4)
 NO_PRESSURE = np.zeros(4)
-NO_LIFT = np.zeros((2, 2))
 
 
 def near(value, rel=1e-12):
@@ -72,13 +72,14 @@ def test_one_cell_between_four_edges():
     faces = reynolds.faces(parallel((1, 1))[0], still, np.zeros((1, 1), dtype=bool), CELLS)
     full = np.ones((1, 1), dtype=bool)
     edges = Edges(pressure, FLOODED, in_plenty((1, 1)))
-    stencil, right = reynolds.assemble(full, faces, np.zeros((1, 2)), steady((1, 1)), edges, CELLS)
+    no_lift = flows.no_lift((1, 1))
+    stencil, right = reynolds.assemble(full, faces, no_lift, steady((1, 1)), edges, CELLS)
     across = 2.0 * DY / DX * CONDUCTIVITY
     along = 2.0 * DX / DY * CONDUCTIVITY
     expected = (across * 9e5 + along * 4e5) / (2.0 * (across + along))
     assert right[0, 0] / stencil[CENTRE, 0, 0] == near(expected)
-    filling = Filling(np.full((1, 1), expected), np.ones((1, 1)), np.zeros((1, 2)))
-    edge_flow = reynolds.outflow(filling, faces, edges, False).edges
+    filling = Filling(np.full((1, 1), expected), np.ones((1, 1)), flows.no_lift((1, 1)))
+    edge_flow = flows.outflow(filling, faces, edges, False).edges
     assert edge_flow[:2] == near(along * (pressure[:2] - expected))
     assert edge_flow[2:] == near(across * (pressure[2:] - expected))
 
@@ -95,7 +96,9 @@ def test_two_starved_cells_in_a_stream(velocity, fraction):
     stream = Entrainment(np.full(shape, velocity), np.zeros(shape))
     faces = reynolds.faces(parallel(shape)[0], stream, np.zeros(shape, dtype=bool), CELLS)
     cavitated = np.zeros(shape, dtype=bool)
-    stencil, right = reynolds.assemble(cavitated, faces, NO_LIFT, steady(shape), edges, CELLS)
+    stencil, right = reynolds.assemble(
+        cavitated, faces, flows.no_lift(shape), steady(shape), edges, CELLS
+    )
     matrix = np.array(
         [
             [stencil[CENTRE, 0, 0], stencil[EAST, 0, 0]],
@@ -103,8 +106,8 @@ def test_two_starved_cells_in_a_stream(velocity, fraction):
         ]
     )
     assert 1.0 + np.linalg.solve(matrix, right[:, 0]) == near(np.full(2, fraction))
-    filling = Filling(np.zeros(shape), np.full(shape, fraction), NO_LIFT)
-    edge_flow = reynolds.outflow(filling, faces, edges, False).edges
+    filling = Filling(np.zeros(shape), np.full(shape, fraction), flows.no_lift(shape))
+    edge_flow = flows.outflow(filling, faces, edges, False).edges
     flow = velocity * FILM * DY * fraction
     assert edge_flow[2:] == near(np.array([flow, -flow]))
 
@@ -121,7 +124,7 @@ def test_flow_between_two_starved_cells_follows_film_and_velocity(velocity, upst
     slopes = FilmSlopes(by_film, np.zeros((0, *shape)))
     stream = Entrainment(np.zeros(shape), np.full(shape, velocity))
     follow = Entrainment(np.zeros(shape), np.ones(shape))
-    filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]), np.zeros((1, 3)))
+    filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]), flows.no_lift(shape))
     edges = Edges(NO_PRESSURE, FLOODED, in_plenty(shape))
     covered = np.zeros(shape, dtype=bool)
     stencil = tangent.linearise(film, slopes, (stream, follow), filling, edges, covered, CELLS, 0.0)

@@ -75,11 +75,12 @@ class FilmStep:
         if open_cells is None:
             open_cells = np.zeros(grid.shape, dtype=bool)
         self.domain = Domain(
-            grid.cells,
-            open_cells,
-            bool(open_cells.any()),
-            cavitation.CAVITATION[model],
-            cavitation.at_once(*grid.shape),
+            cells=grid.cells,
+            open_cells=open_cells,
+            has_openings=bool(open_cells.any()),
+            model=cavitation.CAVITATION[model],
+            together=cavitation.at_once(*grid.shape),
+            bearing=False,
         )
         self.solver = linear_solver(grid.shape)
 
