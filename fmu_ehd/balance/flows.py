@@ -161,10 +161,11 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
         gross += k_a[i, n_a] * (p[i, last] + edge_p[UPPER]) + abs(t_a[i, n_a])
     last = n_c - 1
     around = flow_around(filling, faces, edges, ring)
-    for j in range(n_a):
-        for i in range(1, n_c):
+    for i in range(1, n_c):
+        for j in range(n_a):
             out[i - 1, j] += around[i, j]
             out[i, j] -= around[i, j]
+    for j in range(n_a):
         out[0, j] -= around[0, j]
         out[last, j] += around[n_c, j]
         if not ring:
