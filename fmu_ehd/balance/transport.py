@@ -96,14 +96,14 @@ FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
 class CellStates(NamedTuple):
     """State of the cells at the end of the last step, for the transport of the next one.
 
-    full, resting : ndarray of bool, shape (n_c, n_a)
-        Cells that are full; and those that are, or have no film.
-    gained : ndarray, shape (n_c, n_a)
+    full, blocked : ndarray of bool, shape (rows, n)
+        Cells that are full; and those that carry no oil: full ones, and those without a film.
+    gained : ndarray, shape (rows, n)
         Content that came in from other rows [m].
     """
 
     full: Flags
-    resting: Flags
+    blocked: Flags
     gained: Array
 
 
@@ -153,12 +153,12 @@ def _face_value(before, up, down):
 class TransportFilm(NamedTuple):
     """Film that oil is carried through in a step.
 
-    stored, mobile : ndarray, shape (n_c, n_a), stored and transported film s and t [m];
+    stored, mobile : ndarray, shape (rows, n), stored and transported film s and t [m];
     between : ndarray, shape (rows, n + 1), transported film at the faces [m];
-    travel : ndarray, shape (n_c, n_a + 1), X [m];
-    full, resting : ndarray of bool, shape (n_c, n_a), as in `CellStates`;
-    supply : ndarray, shape (2, n_c), film fraction at lower and upper edge [-];
-    width : ndarray, shape (n_c,), of the faces of each row [m].
+    travel : ndarray, shape (rows, n + 1), X [m];
+    full, blocked : ndarray of bool, shape (rows, n), as in `CellStates`;
+    supply : ndarray, shape (2, rows), film fraction at lower and upper edge [-];
+    width : ndarray, shape (rows,), of the faces of each row [m].
     """
 
     stored: Array
@@ -166,7 +166,7 @@ class TransportFilm(NamedTuple):
     between: Array
     travel: Array
     full: Flags
-    resting: Flags
+    blocked: Flags
     supply: Array
     width: Array
 
@@ -178,94 +178,127 @@ def _holds_front(cell, onward, i, full):
 
 
 @compiled(forceinline=True)
-def _row_flow(content, i, way, steps, given, flow):
+def _row_flow(amount, i, film, steps, known_volume, flow):
     """Compute the volumes that pass the axial faces of row i in an explicit step into `flow` [m3].
 
     It is one of `steps`, Eqs. (T12) to (T14).
+
+    amount : of the cells of the row, content [m], or film fraction in a cell without a film;
+    known_volume : passes the faces in all steps where transport does not say it [m3].
     """
-    stored, mobile, between, travel, full, resting, supply, widths = way
+    stored, mobile, between, travel, full, blocked, supply, widths = film
     width = widths[i]
-    n_a = content.size
+    n_a = amount.size
     for j in range(n_a + 1):
         x = travel[i, j] / steps
         up = j - 1 if x > 0.0 else j
         down = j if x > 0.0 else j - 1
-        known = not 0 <= up < n_a or resting[i, up] or _holds_front(up, down - up, i, full)
-        if x == 0.0 or known:
-            flow[j] = given[j] / steps
+        is_known = not 0 <= up < n_a or blocked[i, up] or _holds_front(up, down - up, i, full)
+        if x == 0.0 or is_known:
+            flow[j] = known_volume[j] / steps
             continue
-        here = min(content[up] / stored[i, up], 1.0)
-        at_edge = not 0 <= down < n_a or (resting[i, down] and not full[i, down])
+        fraction_up = min(amount[up] / stored[i, up], 1.0)
+        at_edge = not 0 <= down < n_a or (blocked[i, down] and not full[i, down])
         beyond = 2 * up - down
         if beyond < 0:
-            before = supply[LOWER, i] * mobile[i, up]
+            m_before = supply[LOWER, i] * mobile[i, up]
         elif beyond == n_a:
-            before = supply[UPPER, i] * mobile[i, up]
-        elif resting[i, beyond] and not full[i, beyond]:
-            before = content[beyond] * mobile[i, up]
+            m_before = supply[UPPER, i] * mobile[i, up]
+        elif blocked[i, beyond] and not full[i, beyond]:
+            m_before = amount[beyond] * mobile[i, up]
         else:
-            before = min(content[beyond] / stored[i, beyond], 1.0) * mobile[i, beyond]
-        filled = here * mobile[i, up]
-        there = here
+            m_before = min(amount[beyond] / stored[i, beyond], 1.0) * mobile[i, beyond]
+        m_up = fraction_up * mobile[i, up]
+        fraction_beyond_face = fraction_up
         if at_edge:
-            value = min(max(2.0 * filled - before, 0.0), mobile[i, up])  # Eq. (T17)
+            m_face = min(max(2.0 * m_up - m_before, 0.0), mobile[i, up])  # Eq. (T17)
         else:
-            beside = min(content[down] / stored[i, down], 1.0)
-            value = _face_value(before, filled, beside * mobile[i, down])
+            fraction_down = min(amount[down] / stored[i, down], 1.0)
+            m_face = _face_value(m_before, m_up, fraction_down * mobile[i, down])
             if not _holds_front(down, down - up, i, full):
-                there = beside
-        room = NEAR_FULL * (1.0 - max(here, there))
+                fraction_beyond_face = fraction_down
+        room = NEAR_FULL * (1.0 - max(fraction_up, fraction_beyond_face))
         # Eq. (T14)
-        lifted = min(max(value / between[i, j], here - room), here + room)
+        lifted = min(max(m_face / between[i, j], fraction_up - room), fraction_up + room)
         flow[j] = width * x * lifted * between[i, j]
 
 
 @compiled(forceinline=True)
-def _lift_at_fronts(i, way, given, through, content, past, area, fraction):
+def _lift_in_row(i, film, through, amount, past, pace, length, fraction):
+    """Compute the lift at the faces of row i, Eq. (T11), into `fraction`.
+
+    through : as in `_lift_at_fronts`; amount : as in `_row_flow`, at the end of the step;
+    past : oil_rows.PastRows; length : of a cell [m].
+    """
+    n_a = amount.size
+    for j in range(n_a + 1):
+        x = film.travel[i, j]
+        up = j - 1 if x > 0.0 else j
+        down = 2 * j - 1 - up
+        if abs(x) <= NEAREST * length or not 0 <= up < n_a or film.blocked[i, up]:
+            continue
+        at_edge = not 0 <= down < n_a or (film.blocked[i, down] and not film.full[i, down])
+        if not at_edge and film.blocked[i, down]:
+            continue
+        swept = film.width[i] * x * film.between[i, j]
+        # a last flow that pressure drove is none of transport
+        last = min(max(pace.ratio * past.passed[i, j] / swept, 0.0), 1.0) * swept / pace.ratio
+        reached = min(amount[up] / film.stored[i, up], 1.0)
+        # Eq. (T11)
+        wanted = (through[j] - pace.share * last) / (pace.euler * swept) - reached
+        fuller = amount[up] / film.stored[i, up]
+        if not at_edge and not _holds_front(down, down - up, i, film.full):
+            fuller = max(fuller, amount[down] / film.stored[i, down])
+        room = NEAR_FULL_WITH_MEMORY * max(1.0 - fuller, 0.0)
+        fraction[i, j] = min(max(wanted, -room), room)
+
+
+@compiled(forceinline=True)
+def _lift_at_fronts(i, film, last_volume, through, content, past, area, fraction):
     """Compute the lift at the faces of row i into full cells, Eq. (T16), into `fraction`.
 
-    given, through : volumes that passed the axial faces in the last step, in proportion to the
+    last_volume, through : volumes that passed the faces in the last step, in proportion to the
     length of this one, and that oil without pressure passes in it, towards ascending j [m3];
-    content : at the end of the step [m]; past : step_parts.PreviousFilm; area : of a cell [m2].
+    content : at the end of the step [m]; past : oil_rows.PastRows; area : of a cell [m2].
     """
-    before = past.film[STORED]
+    stored_before = past.film[STORED]
     n_a = content.size
     for j in range(1, n_a):
-        x = way.travel[i, j]
+        x = film.travel[i, j]
         onward = 1 if x > 0.0 else -1
         cell = j - 1 if x > 0.0 else j
-        if way.resting[i, cell] or not way.full[i, cell + onward]:
+        if film.blocked[i, cell] or not film.full[i, cell + onward]:
             continue
-        flow = onward * given[j]
-        if 0 < j + onward < n_a and way.full[i, cell + 2 * onward]:
-            grown = way.stored[i, cell + onward] - before[i, cell + onward]
-            flow = onward * given[j + onward] + grown * area
-        ahead = cell - onward
-        while 0 <= ahead < n_a and not way.resting[i, ahead]:
-            if content[cell] <= way.stored[i, cell]:
+        flow = onward * last_volume[j]
+        if 0 < j + onward < n_a and film.full[i, cell + 2 * onward]:
+            grown = film.stored[i, cell + onward] - stored_before[i, cell + onward]
+            flow = onward * last_volume[j + onward] + grown * area
+        upstream = cell - onward
+        while 0 <= upstream < n_a and not film.blocked[i, upstream]:
+            if content[cell] <= film.stored[i, cell]:
                 break
             # the cell fills in this step: the front goes on
-            flow += (way.stored[i, cell] - before[i, cell]) * area
-            cell = ahead
-            ahead -= onward
+            flow += (film.stored[i, cell] - stored_before[i, cell]) * area
+            cell = upstream
+            upstream -= onward
         entry = cell if x > 0.0 else cell + 1
         face = entry + onward
-        if way.travel[i, face] * way.travel[i, entry] <= 0.0:
+        if film.travel[i, face] * film.travel[i, entry] <= 0.0:
             continue
-        swept = way.width[i] * way.travel[i, entry] * way.mobile[i, cell]
+        swept = film.width[i] * film.travel[i, entry] * film.mobile[i, cell]
         entering = min(max(through[entry] / swept, 0.0), 1.0)
         if entering == 1.0:
             continue
         deficit = 1.0 - entering
-        share = (content[cell] / way.stored[i, cell] - entering) / deficit
-        drawn = way.width[i] * abs(way.travel[i, face]) * way.between[i, face]
+        share = (content[cell] / film.stored[i, cell] - entering) / deficit
+        drawn = film.width[i] * abs(film.travel[i, face]) * film.between[i, face]
         passing = min(max(flow / drawn, 0.0), 1.0)
         moving = (entering - passing) * (min(max(share, 0.0), 1.0) - 0.5)
         room = NEAR_FULL * deficit
         wanted = 0.5 * deficit + min(max(moving, -room), room)
-        there = abs(through[entry]) + past.content[i, cell] * area
+        available = abs(through[entry]) + past.content[i, cell] * area
         # Eq. (T16)
-        fraction[i, face] = max(min(wanted, there / drawn), -entering)
+        fraction[i, face] = max(min(wanted, available / drawn), -entering)
 
 
 @compiled(forceinline=True)
@@ -291,9 +324,9 @@ def _face_film(mobile, g, states):
         for j in range(n_a + 1):
             a = max(j - 1, 0)
             b = min(j, n_a - 1)
-            if states.resting[i, a] and not states.full[i, a]:
+            if states.blocked[i, a] and not states.full[i, a]:
                 a = b
-            elif states.resting[i, b] and not states.full[i, b]:
+            elif states.blocked[i, b] and not states.full[i, b]:
                 b = a
             # Eq. (E3)
             weighted = mobile[i, a] * g[i, b] + mobile[i, b] * g[i, a]
@@ -313,21 +346,21 @@ def _expected_film(past, states, ratio, travel, supply, width):
         between=between,
         travel=travel,
         full=states.full,
-        resting=states.resting,
+        blocked=states.blocked,
         supply=supply,
         width=width,
     )
 
 
 @compiled(forceinline=True)
-def _explicit_steps(i, way, length):
+def _explicit_steps(i, film, length):
     """Return the number of explicit steps of row i, 0 without a lift; length : of a cell [m]."""
     farthest = 0.0
-    for j in range(way.mobile.shape[1]):
-        if way.resting[i, j] and not way.full[i, j]:
+    for j in range(film.mobile.shape[1]):
+        if film.blocked[i, j] and not film.full[i, j]:
             continue
-        swept = max(abs(way.travel[i, j]), abs(way.travel[i, j + 1]))
-        farthest = max(farthest, swept * way.mobile[i, j] / way.stored[i, j])
+        swept = max(abs(film.travel[i, j]), abs(film.travel[i, j + 1]))
+        farthest = max(farthest, swept * film.mobile[i, j] / film.stored[i, j])
     courant = farthest / length
     if courant <= NEAREST:
         return 0.0
@@ -350,11 +383,11 @@ def lift(
     cells: Cells,
     at_fronts: bool,
 ):
-    """Lift of the film fraction at the axial faces for the step to come.
+    """Return the lift of the film fraction at the faces of the rows for the step to come.
 
     Parameters
     ----------
-    past : step_parts.PreviousFilm
+    past : oil_rows.PastRows
     states : CellStates
     pace : StepRatios
     edges : grid.Edges
@@ -375,80 +408,63 @@ def lift(
     fraction = np.zeros((n_c, n_a + 1))
     travel = past.travel * pace.ratio  # Eq. (T15)
     supply = np.empty((2, n_c))
-    way = _expected_film(past, states, 0.5 * pace.ratio, travel, supply, widths)  # in the middle
+    middle = _expected_film(past, states, 0.5 * pace.ratio, travel, supply, widths)
     end = _expected_film(past, states, pace.ratio, travel, supply, widths)
-    given = np.empty(n_a + 1)
+    known_volume = np.empty(n_a + 1)
     through = np.empty(n_a + 1)
-    content = np.empty(n_a)
-    ahead, source = np.empty(n_a), np.empty(n_a)
+    amount = np.empty(n_a)
+    predicted, source = np.empty(n_a), np.empty(n_a)
     flow = np.empty(n_a + 1)
-    flow_ahead = np.empty(n_a + 1)
+    flow_predicted = np.empty(n_a + 1)
     for i in range(n_c):
-        steps = _explicit_steps(i, way, cells.dy)
+        steps = _explicit_steps(i, middle, cells.dy)
         if steps == 0:
             continue
         width = widths[i]
         area = width * cells.dy
         for j in range(n_a + 1):
-            given[j], through[j] = pace.ratio * past.passed[i, j], 0.0
+            known_volume[j], through[j] = pace.ratio * past.passed[i, j], 0.0
         # what the implicit step lets in over a starved edge
         swept = width * travel[i, 0] * end.between[i, 0]
         supply[LOWER, i] = _entering(edges.film_fraction[LOWER], edges.limit[i, 0], step, swept)
         if supply[LOWER, i] < 1.0 and swept > 0.0:
-            given[0] = pace.share * past.passed[i, 0] + pace.euler * swept * supply[LOWER, i]
+            known_volume[0] = pace.share * past.passed[i, 0] + pace.euler * swept * supply[LOWER, i]
         swept = width * travel[i, n_a] * end.between[i, n_a]
         supply[UPPER, i] = _entering(edges.film_fraction[UPPER], edges.limit[i, n_a], step, -swept)
         if supply[UPPER, i] < 1.0 and swept < 0.0:
-            given[n_a] = pace.share * past.passed[i, n_a] + pace.euler * swept * supply[UPPER, i]
+            known_volume[n_a] = (
+                pace.share * past.passed[i, n_a] + pace.euler * swept * supply[UPPER, i]
+            )
         for j in range(n_a):
-            no_film = states.resting[i, j] and not states.full[i, j]
-            content[j] = edges.film_fraction[OPENINGS] if no_film else past.content[i, j]
+            no_film = states.blocked[i, j] and not states.full[i, j]
+            amount[j] = edges.film_fraction[OPENINGS] if no_film else past.content[i, j]
             source[j] = max(states.gained[i, j], 0.0) * pace.ratio / steps
         for j in range(1, n_a):
             up = j - 1 if travel[i, j] > 0.0 else j
-            if edges.limit[i, j] == np.inf or states.resting[i, 2 * j - 1 - up]:
+            if edges.limit[i, j] == np.inf or states.blocked[i, 2 * j - 1 - up]:
                 continue
             # a film that starts behind an opening
             swept = width * travel[i, j] * end.between[i, j]
             entering = _entering(1.0, edges.limit[i, j], step, abs(swept))
             if entering < 1.0:
-                content[up] = entering
-                given[j] = pace.share * past.passed[i, j] + pace.euler * swept * entering
+                amount[up] = entering
+                known_volume[j] = pace.share * past.passed[i, j] + pace.euler * swept * entering
         taken = int(min(steps, FARTHEST / LARGEST_COURANT))
         for k in range(taken):
             times = steps - k if k == taken - 1 else 1.0
-            _row_flow(content, i, way, steps, given, flow)
+            _row_flow(amount, i, middle, steps, known_volume, flow)
             for j in range(n_a):
-                ahead[j] = content[j]
-                if not states.resting[i, j]:
-                    ahead[j] += source[j] + (flow[j] - flow[j + 1]) / area  # Eq. (T12)
-            _row_flow(ahead, i, way, steps, given, flow_ahead)
+                predicted[j] = amount[j]
+                if not states.blocked[i, j]:
+                    predicted[j] += source[j] + (flow[j] - flow[j + 1]) / area  # Eq. (T12)
+            _row_flow(predicted, i, middle, steps, known_volume, flow_predicted)
             for j in range(n_a + 1):
-                flow[j] = 0.5 * (flow[j] + flow_ahead[j])
+                flow[j] = 0.5 * (flow[j] + flow_predicted[j])
                 through[j] += times * flow[j]
             for j in range(n_a):
-                if not states.resting[i, j]:
-                    content[j] += source[j] + (flow[j] - flow[j + 1]) / area
-        for j in range(n_a + 1):
-            x = travel[i, j]
-            up = j - 1 if x > 0.0 else j
-            down = 2 * j - 1 - up
-            if abs(x) <= NEAREST * cells.dy or not 0 <= up < n_a or states.resting[i, up]:
-                continue
-            at_edge = not 0 <= down < n_a or (states.resting[i, down] and not states.full[i, down])
-            if not at_edge and states.resting[i, down]:
-                continue
-            swept = width * x * end.between[i, j]
-            # a last flow that pressure drove is none of transport
-            last = min(max(pace.ratio * past.passed[i, j] / swept, 0.0), 1.0) * swept / pace.ratio
-            reached = min(content[up] / end.stored[i, up], 1.0)
-            # Eq. (T11)
-            wanted = (through[j] - pace.share * last) / (pace.euler * swept) - reached
-            fuller = content[up] / end.stored[i, up]
-            if not at_edge and not _holds_front(down, down - up, i, states.full):
-                fuller = max(fuller, content[down] / end.stored[i, down])
-            room = NEAR_FULL_WITH_MEMORY * max(1.0 - fuller, 0.0)
-            fraction[i, j] = min(max(wanted, -room), room)
+                if not states.blocked[i, j]:
+                    amount[j] += source[j] + (flow[j] - flow[j + 1]) / area
+        _lift_in_row(i, end, through, amount, past, pace, cells.dy, fraction)
         if at_fronts:
-            _lift_at_fronts(i, end, given, through, content, past, area, fraction)
+            _lift_at_fronts(i, end, known_volume, through, amount, past, area, fraction)
     return Lift(fraction, travel)
