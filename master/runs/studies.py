@@ -11,7 +11,7 @@ from ..case.reading import read_tree
 from ..fmi.errors import BadInput, unknown
 from ..results.compare import score
 from ..results.file import Results
-from .sweep import resolved
+from .sweep import checked_points
 
 
 class Cost(NamedTuple):
@@ -62,7 +62,7 @@ def study_points(path, changes, name):
         hint = "" if case.studies else f"; add a table studies.{name}, see `keys studies`"
         raise BadInput(f"study: {unknown('study', name, case.studies)}{hint}")
     study = case.studies[name]
-    points = resolved(
+    points = checked_points(
         path,
         [
             ({"run": label}, [*study.set.items(), *made.items(), *changes])
