@@ -15,7 +15,6 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Matrix, Numbers, Vector
-from .pin_friction import PinFriction
 
 BLOCK = -1
 """Number of the block among the bodies."""
@@ -25,9 +24,6 @@ NONE = -1
 
 IN_BLOCK, IN_PARENT = 0, 1
 """Axes of a slide, see `Joints.turns`."""
-
-LEVER, VISCOUS = map(PinFriction._fields.index, ("lever", "viscous"))
-"""Columns of `Joints.friction`."""
 
 MOMENT, REACTION = 2, 3
 """Columns of `Loads.wrench` after the force."""

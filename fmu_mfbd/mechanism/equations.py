@@ -8,7 +8,7 @@ from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Matrix, Vector
 from .angles import add_angle_row
 from .carrier import Carrier
-from .chain import LEVER, REACTION, VISCOUS, Chain, Elements, Joints, Loads
+from .chain import REACTION, Chain, Elements, Joints, Loads
 from .floating_frame import TURN, X, Y
 from .generalised_alpha import Motion
 from .inertia import (
@@ -201,4 +201,5 @@ def friction_at(joints: Joints, at: ChainMotion, force: np.ndarray, b: int) -> P
 @compilable
 def has_friction(friction: np.ndarray, b: int) -> bool:
     """Return whether the joint of body b has friction; see `Joints`."""
-    return friction[b, LEVER] > 0.0 or friction[b, VISCOUS] > 0.0
+    of_joint = pin_friction_from(friction[b])
+    return of_joint.lever > 0.0 or of_joint.viscous > 0.0

@@ -12,7 +12,7 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Matrix
 from .carrier import Carrier
-from .chain import LEVER, Bodies, Chain, Loads
+from .chain import REACTION, Bodies, Chain, Loads
 from .derivative import chain_derivative
 from .elimination import LUFactors, factorise, substitute
 from .equations import ChainForces, forces_at, point_of
@@ -22,6 +22,7 @@ from .inertia import coupling_of, frame_state
 from .laws import add_laws, law_sizes
 from .loads import AppliedForces, loads_at
 from .motion import ChainMotion, Increments, chain_motion
+from .pin_friction import pin_friction_from
 from .slider_crank import CrankMotion
 
 PASSES = 80
@@ -255,11 +256,12 @@ def _sizes(chain, loads, forces):
         climb = f.ax + f.ay
         push = abs(forces.joint_wrench[b, X]) + abs(forces.joint_wrench[b, Y])
         out[b, X] = out[b, Y] = bodies.mass[b] * climb
-        out[b, TURN] = (f.sx + f.sy) * climb + chain.joints.friction[b, LEVER] * push
+        lever = pin_friction_from(chain.joints.friction[b]).lever
+        out[b, TURN] = (f.sx + f.sy) * climb + lever * push
     first = len(loads.wrench) - len(loads.law_slopes)
     for e in range(len(loads.wrench)):
         x, y = abs(loads.wrench[e, X]), abs(loads.wrench[e, Y])
-        turn, back = abs(loads.wrench[e, TURN]), abs(loads.wrench[e, 3])
+        turn, back = abs(loads.wrench[e, TURN]), abs(loads.wrench[e, REACTION])
         if e >= first:
             x, y, turn = law_sizes(chain, at, loads, e - first)
             back = turn

@@ -49,7 +49,7 @@ class SurfaceAnswers(NamedTuple):
 
 
 def pressure_root(
-    angle: np.ndarray, height: np.ndarray, along: float, there: np.ndarray, parity: int = 0
+    angle: np.ndarray, height: np.ndarray, along: float, has_film: np.ndarray, parity: int = 0
 ) -> np.ndarray:
     """Return a root of the prior covariance of nodal pressure forces.
 
@@ -71,7 +71,7 @@ def pressure_root(
         [m]
     along : float
         L_y as a share of the surface's length, see `ALONG` [-].
-    there : ndarray of bool, shape (c a,)
+    has_film : ndarray of bool, shape (c a,)
         Points that have a film, height fastest.
     parity : int
         1: even part about the thrust plane, -1: odd part, 0: whole pressure.
@@ -87,14 +87,14 @@ def pressure_root(
     i, j = np.unravel_index(np.argsort(-variance, axis=None)[: len(strength)], variance.shape)
     patterns = around[:, None, i] * axial[None, :, j]
     root = patterns.reshape(-1, len(strength)) * np.sqrt(strength)
-    return _expected(angle, there)[:, None] * root  # Eq. (J31)
+    return _expected(angle, has_film)[:, None] * root  # Eq. (J31)
 
 
-def _expected(angle, there):
+def _expected(angle, has_film):
     """Diagonal of D."""
     from_thrust = np.arcsin(np.abs(np.cos(angle)))
     weight = 1.0 + THRUST * np.exp(-((from_thrust / NEAR) ** 2) / 2)
-    return np.repeat(weight, len(there) // len(angle)) * there
+    return np.repeat(weight, len(has_film) // len(angle)) * has_film
 
 
 def pattern_count(angle: np.ndarray, height: np.ndarray, along: float, parity: int = 0) -> int:
@@ -135,7 +135,7 @@ def _image(angle):
 
 
 def edge_patches(
-    angle: np.ndarray, height: np.ndarray, along: float, there: np.ndarray, symmetric: bool
+    angle: np.ndarray, height: np.ndarray, along: float, has_film: np.ndarray, symmetric: bool
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return narrow pressure patches at the lower and at the upper edge of a surface.
 
@@ -146,7 +146,7 @@ def edge_patches(
 
     Parameters
     ----------
-    angle, height, along, there
+    angle, height, along, has_film
         As for `pressure_root`.
     symmetric : bool
         Whether each patch has its mirror image about the thrust plane.
@@ -159,14 +159,14 @@ def edge_patches(
     around, axial = _covariances(angle, height, along, NARROW)
     if symmetric:
         around = around + around[_image(angle)]
-    film = there.reshape(len(angle), len(height))
+    film = has_film.reshape(len(angle), len(height))
     column = np.flatnonzero(film.any(axis=1))[:: max(1, len(angle) // 36)]
     lower = film[column].argmax(axis=1)
     upper = len(height) - 1 - film[column, ::-1].argmax(axis=1)
 
     def patches(row):
         field = around[:, None, column] * axial[None, :, row] * film[:, :, None]  # Eq. (J46)
-        return field.reshape(len(there), len(column))
+        return field.reshape(len(has_film), len(column))
 
     return patches(lower), patches(upper)
 

@@ -77,9 +77,9 @@ def unreached(answers: SurfaceAnswers, modes: StaticModes) -> tuple[np.ndarray, 
     return answers.radial - modes.radial @ felt, answers.axial - modes.axial @ felt
 
 
-def smooth_error(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> float:
+def smooth_error(answers: SurfaceAnswers, modes: StaticModes, has_film: np.ndarray) -> float:
     """Return the largest missing share of the deflection under smooth patches, Eq. (J33) [-]."""
-    patches = answers.root[there].T
+    patches = answers.root[has_film].T
     missing, _ = unreached(answers, modes)
     return float(_shares(missing @ patches, answers.radial @ patches).max())
 
@@ -102,7 +102,7 @@ def _shares(missing, whole):
     return np.linalg.norm(missing, axis=0) / np.linalg.norm(whole, axis=0)
 
 
-def left_out(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> MissingShapes:
+def left_out(answers: SurfaceAnswers, modes: StaticModes, has_film: np.ndarray) -> MissingShapes:
     """Return the static shapes that the modes leave out of the answers to smooth pressures.
 
     Eq. (J16):  S^T R E w_i = e_i w_i,   X_i = E w_i e_i^-1/2      E of `unreached`
@@ -112,7 +112,7 @@ def left_out(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> 
     answers : SurfaceAnswers
         To the whole prior, also if the modes are for the even part of the pressure.
     modes : StaticModes
-    there : ndarray of bool, shape (points,)
+    has_film : ndarray of bool, shape (points,)
         Points that have a film.
     """
     radial, axial = unreached(answers, modes)
@@ -121,7 +121,7 @@ def left_out(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> 
     e, w = la.eigh((energy + energy.T) / 2)
     significant = e > NEGLIGIBLE * whole
     w = w[:, significant] / np.sqrt(e[significant])
-    on = there[:, None]
+    on = has_film[:, None]
     # Eq. (J16)
     return MissingShapes((radial @ w * on).astype(np.float32), (axial @ w * on).astype(np.float32))
 

@@ -169,8 +169,8 @@ def give_up(system: System, state: CoupledState):
 
 
 @compiled
-def resolve(memory: np.ndarray, time: float, step: float, most: int):
-    """Take a macro step in parts that resolve the motion, as `Stepper._resolve`."""
+def take_resolved_parts(memory: np.ndarray, time: float, step: float, most: int):
+    """Take a macro step in parts that resolve the motion, as `Stepper._take_resolved_parts`."""
     system = system_of(memory)
     state = state_of(memory)
     limits = setup_of(memory).exposed.limits
@@ -208,13 +208,13 @@ def resolve(memory: np.ndarray, time: float, step: float, most: int):
 
 
 @compiled
-def macro_step(memory: np.ndarray, time: float, step: float):
-    """Take a macro step or parts of it, as `Stepper._step`; return False and note why if none."""
+def take_macro_step(memory: np.ndarray, time: float, step: float):
+    """Take a macro step, as `Stepper._take_macro_step`; return False and note why if it fails."""
     system = system_of(memory)
     state = state_of(memory)
     halvings = rules_of(memory).halvings
     most = min(REPETITIONS, halvings) if len(setup_of(memory).exposed.limits) > 0 else 0
-    if most > 0 and resolve(memory, time, step, most):
+    if most > 0 and take_resolved_parts(memory, time, step, most):
         return True
     x = np.zeros(len(system.layout.nominal))
     depth = done = 0
@@ -252,7 +252,7 @@ def reach(memory: np.ndarray, time: float, step: float):
     for k in range(steps):
         before = macro_step_end(time, step, k / steps, rules.step)
         after = macro_step_end(time, step, (k + 1) / steps, rules.step)
-        if not macro_step(memory, before, after - before):
+        if not take_macro_step(memory, before, after - before):
             return False
     return True
 

@@ -23,10 +23,11 @@ def port_of(text: str) -> Port:
 
 @dataclass(frozen=True)
 class HeldWire:
-    """Wire that carries no real numbers, or ends at a clocked input or tunable parameter.
+    """Wire that is not iterated: its values are not real numbers, or it is clocked.
 
-    clocked : whether it does. Then the target gets the value of the source at the beginning of a
-    macro step, otherwise in each evaluation (`Interface`).
+    clocked : whether it ends at a clocked input or a tunable parameter. Then the target gets the
+    value of the source at the beginning of a macro step, otherwise in each evaluation
+    (`Interface`).
     """
 
     source: Port

@@ -157,8 +157,8 @@ def resolution(
     pressure, gap = (results.dataset(port)[:] for port in ports)
     if pressure.shape != gap.shape or not pressure.max() > 0.0:
         return None
-    there = results.there(ports[1])
-    gap = gap if there is None else np.where(there, gap, np.inf)
+    exists = results.existing_cells(ports[1])
+    gap = gap if exists is None else np.where(exists, gap, np.inf)
     low = np.unravel_index(gap.argmin(), gap.shape)
     if cell_of_film is not None:
         low = (gap[(slice(None), *cell_of_film)].argmin(), *cell_of_film)

@@ -421,8 +421,8 @@ def _place_of_thinnest(case, runs, port) -> list[Drawn]:
     def positions(k, axis, results):
         if port not in results.recorded:
             return None
-        values, there = results.dataset(port)[:], results.there(port)
-        values = values if there is None else np.where(there, values, np.inf)
+        values, exists = results.dataset(port)[:], results.existing_cells(port)
+        values = values if exists is None else np.where(exists, values, np.inf)
         flat = values.reshape(len(values), -1).argmin(axis=1)
         cells = np.unravel_index(flat, values.shape[1:])[k]
         at = np.interp(results.instants, results.time, _degrees(results))
@@ -448,8 +448,8 @@ def _envelopes(case, runs, film, gap):
         known = [results.envelope(port) for results in runs.values()]
         fields = [None if one is None else scaled(one.values, one.unit, unit)[0] for one in known]
         if any(np.any(values) for values in fields if values is not None):
-            there = [one and results.there(port) for one, results in zip(known, runs.values())]
-            drawn.append(StillMap(title, unit, case.axes_of(port), fields, there))
+            cells = [one and run.existing_cells(port) for one, run in zip(known, runs.values())]
+            drawn.append(StillMap(title, unit, case.axes_of(port), fields, cells))
     pressures = {label: results.envelope(f"{film}.pressure") for label, results in runs.items()}
     sparse = [label for label, one in pressures.items() if one and not one.every_step]
     said = "The envelopes hold every accepted macro step of the last period."

@@ -94,13 +94,16 @@ class Chart:
 
 @dataclass(frozen=True)
 class StillMap:
-    """Field without time for every run (None if a run has none), over the axes of the case."""
+    """Field without time for every run (None if a run has none), over the axes of the case.
+
+    cells : whether each cell exists, for every run, see `field_data`.
+    """
 
     title: str
     unit: str
     axes: Axes
     fields: Sequence[np.ndarray | None]
-    there: Sequence[np.ndarray | None]
+    cells: Sequence[np.ndarray | None]
 
 
 Drawn = Chart | StillMap
@@ -301,7 +304,7 @@ def as_data(part: Any, columns: Columns) -> Any:
         return columns.add(part)
     if isinstance(part, StillMap):
         stacks = [None if values is None else values[None] for values in part.fields]
-        return {"kind": "map"} | field_data(part.title, part.unit, part.axes, stacks, part.there)
+        return {"kind": "map"} | field_data(part.title, part.unit, part.axes, stacks, part.cells)
     if is_dataclass(part):
         return {name: as_data(value, columns) for name, value in vars(part).items()}
     if isinstance(part, (list, tuple)):
@@ -309,7 +312,7 @@ def as_data(part: Any, columns: Columns) -> Any:
     return part
 
 
-def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
+def field_data(name, unit, axes, stacks, cells) -> dict[str, Any]:
     """Return the frames of a field for every run; None for a run that lacks it.
 
     Parameters
@@ -318,8 +321,8 @@ def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
     axes : Axes
     stacks : sequence of ndarray, shape (frames, n, m), or None
         In `unit`.
-    there : sequence of ndarray of bool, shape (n, m), or None
-        Cells that exist in a run's field. None: all.
+    cells : sequence of ndarray of bool, shape (n, m), or None
+        Whether each cell of a run's field exists. None: all do.
 
     Returns
     -------
@@ -328,8 +331,8 @@ def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
         grid for each run.
     """
     shown = [
-        stack[:, cells] if cells is not None else stack
-        for stack, cells in zip(stacks, there)
+        stack[:, exists] if exists is not None else stack
+        for stack, exists in zip(stacks, cells)
         if stack is not None
     ]
     runs = [
@@ -338,10 +341,10 @@ def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
         else packed_frames(stack)
         | {
             "shape": list(stack.shape[1:]),
-            "there": None if cells is None else "".join(map(str, cells.astype(int).ravel())),
+            "cells": None if exists is None else "".join(map(str, exists.astype(int).ravel())),
             "ends": [list(axes.first.ends(stack.shape[1])), list(axes.second.ends(stack.shape[2]))],
         }
-        for stack, cells in zip(stacks, there)
+        for stack, exists in zip(stacks, cells)
     ]
     low = float(min(np.nanmin(one) for one in shown))
     high = float(max(np.nanmax(one) for one in shown))

@@ -149,7 +149,7 @@ def field_map(case, results, port: str, time: str | float, units: Mapping[str, s
     for one, (name, field) in fields.items():
         wanted = units.get(name) or (None if name == port else UNITS.get(field.unit))
         values, unit = scaled(field.values, field.unit, wanted)
-        layers[one] = Layer(masked(values, results.there(name)), unit)
+        layers[one] = Layer(masked(values, results.existing_cells(name)), unit)
     shape = layers[kind].values.shape
     fitting = {one: layer for one, layer in layers.items() if layer.values.shape == shape}
     return FieldMap(labelled(name_of(port), layers[kind].unit), kind, axes, when, fitting)
@@ -178,9 +178,9 @@ def _others(case, results, port, axes) -> dict[str, str]:
     return chosen
 
 
-def masked(image, there) -> np.ma.MaskedArray:
-    """Mask the cells that the field does not have."""
-    return np.ma.array(image, mask=np.zeros(np.shape(image), bool) if there is None else ~there)
+def masked(image, exists) -> np.ma.MaskedArray:
+    """Mask the cells that do not exist; `exists` as of `Results.existing_cells`."""
+    return np.ma.array(image, mask=np.zeros(np.shape(image), bool) if exists is None else ~exists)
 
 
 class MapRow(NamedTuple):

@@ -6,6 +6,7 @@ from functools import cached_property
 from math import floor
 from pathlib import Path
 from typing import Any, NamedTuple, Self
+from warnings import warn
 
 import h5py
 import numpy as np
@@ -291,10 +292,10 @@ class Recorded:
         }
         return [_port(f"{owner}/{name}") for owner, group in groups.items() for name in group]
 
-    def there(self, port: str) -> np.ndarray | None:
-        """Return the mask of the cells that a field has; None if it has all, or if unknown.
+    def existing_cells(self, port: str) -> np.ndarray | None:
+        """Return whether each cell of a field exists, shape (n, m); None if all do, or if unknown.
 
-        The values of other cells, which are cut out, have no meaning.
+        A film has no cells where its surface is cut out. The values recorded there have no meaning.
         """
         masks = json.loads(self.file.attrs.get("masks", "{}"))
         owners = [port.partition(".")[0], *self._checked.axes_of(port).participants]
@@ -308,6 +309,11 @@ class Recorded:
         if mask is None or not any(shape[-2:] == np.shape(mask) for shape in shapes):
             return None
         return np.array(mask, dtype=bool)
+
+    def there(self, port: str) -> np.ndarray | None:
+        """Return `existing_cells(port)`. Deprecated."""
+        warn("Results.there: use existing_cells", DeprecationWarning, stacklevel=2)
+        return self.existing_cells(port)
 
     def dataset(self, port: str) -> Any:
         """Return a recorded field at all instants shown, shape (instants, *shape).

@@ -335,7 +335,7 @@ def _layer(case, kind, port, runs):
     wanted = UNITS.get(kind) or pictured.get(port) or handy_unit(si, largest)
     _, unit = scaled(0.0, si, wanted)
     shown = [None if own is None else scaled(own, si, wanted)[0] for own in stacks]
-    there = [results.there(port) if results else None for results in holders]
+    cells = [results.existing_cells(port) if results else None for results in holders]
     variable = port.rpartition(".")[2].replace("_", " ")
-    data = field_data(name_of(port), unit, case.axes_of(port), shown, there)
+    data = field_data(name_of(port), unit, case.axes_of(port), shown, cells)
     return data | {"variable": variable}

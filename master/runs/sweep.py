@@ -40,9 +40,9 @@ class Axis:
 
 
 AXIS_FORMS = "KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE"
-MAX_RANGE_VALUES = 100_000
+MOST_VALUES_OF_RANGE = 100_000
 """Maximum number of values in a range."""
-MAX_CHECKED_VALUES = 20
+MOST_VALUES_CHECKED = 20
 """Number of values of an axis up to which all of them are checked before a sweep."""
 SECOND_GRID_COLUMN = "second_grid"
 """Column that is true for points whose uncertainties come from a second grid and doubled steps."""
@@ -85,8 +85,10 @@ def _range_values(text, rest):
     """Return the values of `rest`, "LOW..HIGH:COUNT", as texts with the unit of LOW."""
     ends, _, count = rest.rpartition(":")
     low, _, high = ends.partition("..")
-    if count.strip().isdecimal() and not 2 <= int(count) <= MAX_RANGE_VALUES:
-        raise BadInput(f"--vary: expected 2 to {MAX_RANGE_VALUES} values in a range, got {count}")
+    if count.strip().isdecimal() and not 2 <= int(count) <= MOST_VALUES_OF_RANGE:
+        raise BadInput(
+            f"--vary: expected 2 to {MOST_VALUES_OF_RANGE} values in a range, got {count}"
+        )
     try:
         number, first, last = int(count), quantity(low), quantity(high)
         if not are_compatible(first.units, last.units):
@@ -144,7 +146,7 @@ def all_points(path, changes, axes):
 def _check_values(path, changes, axes):
     """Raise `BadInput` with the faults of single values that are visible before a run.
 
-    If an axis has more than `MAX_CHECKED_VALUES` values, only its first and last are checked.
+    If an axis has more than `MOST_VALUES_CHECKED` values, only its first and last are checked.
     """
     from ..case.ahead import faults_ahead  # slow to import
 
@@ -155,7 +157,7 @@ def _check_values(path, changes, axes):
             raise BadInput(faults)
 
     def values_to_check(axis):
-        few = len(axis.values) <= MAX_CHECKED_VALUES
+        few = len(axis.values) <= MOST_VALUES_CHECKED
         return axis.values if few else (axis.values[0], axis.values[-1])
 
     for_all(check, [(axis, value) for axis in axes for value in values_to_check(axis)])

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .iteration import FAILURES, NONE, SENTENCES, Answer, Update, converge, field_update
+from .iteration import FAILURES, NO_FAILURE, SENTENCES, Answer, Update, converge, field_update
 from .krylov import RecycledGmres
 from .probing import ProbedStep
 from .solution import NotConverged, Solution, Tried, check_finite
@@ -62,7 +62,7 @@ class Newton:
         history = end.history.tolist()
         if end.failure == FAILURES.not_finite:
             check_finite(interface, end.at, history)
-        if end.failure != NONE:
+        if end.failure != NO_FAILURE:
             reason = tuple(SENTENCES.values())[int(end.failure)].partition(":")[0]
             stop = NotConverged(reason.format(i=len(history)), interface, end.at, history)
             stop.cause = partial(_cause, macro_step, guess, end.first, history)
