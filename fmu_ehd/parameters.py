@@ -1,4 +1,4 @@
-"""What is fixed for a run."""
+"""Parameters of a film, which are constant during a run."""
 
 from collections import namedtuple
 from collections.abc import Mapping

@@ -40,7 +40,7 @@ def variables(
     starts: Mapping[str, float | str] | None = None,
     surface: str = "skirt",
 ) -> list[Variable]:
-    """Variable table of the FMU for a grid.
+    """Return the variable table of the FMU for a grid.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def variables(
 
 
 def film_variables(surface: str) -> list[Variable]:
-    """Rows of the parameters of a film that are no conditions, for one of `parameters.SURFACES`."""
+    """Return the parameters of a film that are no conditions, for one of `parameters.SURFACES`."""
     return [v for v in FILM_VARIABLES if is_of(surface, v.name)]
 
 

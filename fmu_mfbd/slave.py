@@ -35,7 +35,7 @@ from .mechanism.piston_motion import RIGID
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS, WALL_FIELDS, WALL_LEVELS
 
 BORE = "bore_deflection"
-"""Of a bore that deflects from outside."""
+"""Input field of a bore whose deflection comes from another participant."""
 
 
 class Mfbd(FieldSlave):
@@ -115,10 +115,10 @@ class Mfbd(FieldSlave):
         except MotionNotSolved as error:
             raise BadInput(f"start: {error}") from None
         gaps = self._of_films(("film_thickness",))
-        self._tell_of_bend(max(np.abs(outputs[gap] - straight[gap]).max() for gap in gaps))
+        self._log_bend(max(np.abs(outputs[gap] - straight[gap]).max() for gap in gaps))
         return state, outputs
 
-    def _tell_of_bend(self, bend: float) -> None:
+    def _log_bend(self, bend: float) -> None:
         """Log the change of the gap at the start by modes without inertia [m].
 
         A film starts with the oil of this gap. Modes with inertia start undeformed and squeeze oil

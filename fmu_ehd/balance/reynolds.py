@@ -159,7 +159,7 @@ class Balance(NamedTuple):
 
 @compiled(forceinline=True)
 def _face(g_a, g_b, t_a, t_b, velocity, aspect, width):
-    """Conductance K and transport T of a face, Eq. (E3)."""
+    """Return the conductance K and transport T of a face, Eq. (E3)."""
     inverse = 1.0 / (g_a + g_b)
     conductance = aspect * 2.0 * g_a * g_b * inverse  # Eq. (E3)
     transport = width * velocity * (t_a * g_b + t_b * g_a) * inverse
@@ -168,7 +168,7 @@ def _face(g_a, g_b, t_a, t_b, velocity, aspect, width):
 
 @compiled
 def faces(film: Array, entrainment: Entrainment, open_cells: Flags, cells: Cells):
-    """Conductances and transports of all faces, Eq. (E3).
+    """Return the conductances and transports of all faces, Eq. (E3).
 
     Parameters
     ----------
@@ -359,20 +359,20 @@ def hold(fixed: Flags, value: float, stencil: Array, right: Array):
 
 @compiled(forceinline=True)
 def _flow(k, t, p_a, p_b, f_a, f_b):
-    """Face flow, Eq. (E2)."""
+    """Return the face flow, Eq. (E2)."""
     return k * (p_a - p_b) + max(t, 0.0) * f_a + min(t, 0.0) * f_b  # Eq. (E2)
 
 
 @compiled(forceinline=True)
 def _inflow(k, t, pressure, fraction, cell_pressure, cell_fraction, limit):
-    """Flow over an edge into a cell, Eqs. (E2), (E12); t transport into the film."""
+    """Return the flow over an edge into a cell, Eqs. (E2), (E12); t transport into the film."""
     drawn = k * (pressure - cell_pressure)
     return drawn + _dragged(t, fraction, limit) + min(t, 0.0) * cell_fraction
 
 
 @compiled(forceinline=True)
 def _inflow_axial(filling, faces, edges, i, edge):
-    """Flow into row i over the lower or the upper edge [m3/s]."""
+    """Return the flow into row i over the lower or the upper edge [m3/s]."""
     n_a = filling.pressure.shape[1]
     j = 0 if edge == LOWER else n_a - 1
     face = 0 if edge == LOWER else n_a
@@ -390,7 +390,7 @@ def _inflow_axial(filling, faces, edges, i, edge):
 
 @compiled
 def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
-    """Flows out of the cells and over the edges, Eq. (E2).
+    """Return the flows out of the cells and over the edges, Eq. (E2).
 
     Parameters
     ----------
@@ -449,7 +449,7 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
 
 @compiled
 def axial_flow(filling: Filling, faces: Faces, edges: Edges):
-    """Flow through all axial faces, Eq. (E2), positive with ascending j.
+    """Return the flow through all axial faces, Eq. (E2), positive with ascending j.
 
     Parameters
     ----------

@@ -105,7 +105,7 @@ class PointContact(NamedTuple):
 
 
 def gaussian_integral(order: float, separation: Any) -> Any:
-    """Integral F_n of the Gaussian height distribution, Eq. (A1).
+    """Return the integral F_n of the Gaussian height distribution, Eq. (A1).
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def contact_table(law: str = "greenwood_tripp_1970") -> Array:
 
 @compiled(forceinline=True)
 def _integral(table, column, separation):
-    """Tabulated integral and its slope at Lambda; straight below 0, zero above the table."""
+    """Return the tabulated integral and its slope; linear below 0, zero above the table."""
     if separation >= TABLE_END:
         return 0.0, 0.0
     if separation < 0.0:
@@ -187,7 +187,7 @@ def _integral(table, column, separation):
 
 @compiled(forceinline=True)
 def _energy_integral(table, separation):
-    """int_Lambda^inf F_5/2, with F_5/2 straight below 0."""
+    """Return int_Lambda^inf F_5/2, with F_5/2 straight below 0."""
     value, slope = _integral(table, ENERGY_COLUMN, separation)
     if separation < 0.0:
         value -= 0.5 * table[0, PRESSURE_COLUMN + 1] * separation * separation
@@ -210,7 +210,7 @@ def contact_constants(x: Any, table: Array) -> ContactConstants:
 
 @compilable
 def pressure_scale(roughness_product: float, slope_ratio: float, contact_modulus: float) -> float:
-    """Factor of F_5/2 in the asperity pressure, Eq. (A3).
+    """Return the factor of F_5/2 in the asperity pressure, Eq. (A3).
 
     Parameters
     ----------
@@ -236,7 +236,7 @@ def pressure_scale(roughness_product: float, slope_ratio: float, contact_modulus
 
 @compiled(forceinline=True)
 def point_contact(film_thickness, constants):
-    """Contact at a point, Eqs. (A3), (A4), (A6), (A9), (A13); `constants`: ContactConstants.
+    """Return the contact at a point, Eqs. (A3), (A4), (A6), (A9), (A13).
 
     Parameters
     ----------

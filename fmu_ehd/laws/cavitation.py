@@ -104,7 +104,7 @@ CAVITATION = {
 
 @compiled
 def interpret(model: Cavitation, unknown: Array, full: Flags, fixed: Flags):
-    """Pressure [Pa] and film_fraction - 1 [-] of a signed unknown.
+    """Return the pressure [Pa] and film_fraction - 1 [-] of a signed unknown.
 
     Eq. (C6) does not hold in `fixed` cells, the openings.
     """
@@ -137,7 +137,7 @@ def shares(model: Cavitation, unknown: Array, full: Flags):
 
 @compiled(forceinline=True)
 def _rounded(u, rounding):
-    """p + c, u_v (1 - f) and their sum by Eq. (C6) [Pa], without cancellation."""
+    """Return p + c, u_v (1 - f) and their sum by Eq. (C6) [Pa], without cancellation."""
     product = rounding * VOID_PRESSURE
     difference = u + rounding
     root = np.sqrt(difference * difference + 4.0 * product)
@@ -218,7 +218,7 @@ def without_pressure(full: Flags, stencil: Array):
     ----------
     full : ndarray of bool, shape (n_c, n_a)
     stencil : ndarray, shape (5, n_c, n_a)
-        Of the full film.
+        Stencil of the full film, see `reynolds`.
     """
     n_c, n_a = full.shape
     for i in range(n_c):
@@ -234,7 +234,7 @@ def without_pressure(full: Flags, stencil: Array):
 
 @compiled
 def switch(full: Flags, unknown: Array, fixed: Flags, conserving: bool, singly: bool):
-    """`PatternChange` of a pattern by its solution: of all cells that want to, or of the first."""
+    """Return the change of a pattern by its solution: all cells that switch, or the first one."""
     highest_pressure = 0.0
     for i in range(full.shape[0]):
         for j in range(full.shape[1]):

@@ -68,7 +68,7 @@ class Contact(NamedTuple):
 
 @compiled(forceinline=True)
 def neighbour(k, i, j, n_c, n_a):
-    """Cell of entry k of the stencil of cell (i, j) of a ring; an edge's own cell beyond it."""
+    """Return the cell of entry k of the stencil of cell (i, j) of a ring, or (i, j) at an edge."""
     if k == WEST:
         return (i - 1) % n_c, j
     if k == EAST:
@@ -221,9 +221,9 @@ def contact(
     film_thickness : ndarray, shape (n_c, n_a)
         h without the deflection [m], any sign.
     deflection : ndarray, shape (n_c, n_a)
-        Of a coating [m].
+        Deflection of the coating [m].
     steps : ndarray, shape (2, n_c, n_a)
-        Of `profile_steps`.
+        Result of `profile_steps`.
     open_cells : ndarray of bool, shape (n_c, n_a)
         Cells without a film, which touch nothing.
     constants : asperity.ContactConstants
@@ -309,7 +309,7 @@ def contact_changes(slope: Array, film_thickness: Array, deflection: Array):
     Parameters
     ----------
     slope : ndarray, shape (5, n_c, n_a)
-        Of `Contact` [Pa/m], or what stands for it.
+        `slope` of `Contact` [Pa/m], or values that replace it.
     film_thickness, deflection : ndarray, shape (m, n_c, n_a)
         m changes of each [m].
 

@@ -46,7 +46,7 @@ class ColdWalls(NamedTuple):
     Parameters
     ----------
     gap : ndarray, shape (cells,)
-        Of all skirt grids, stacked [m].
+        Gap h_0 of all skirt grids without growth, stacked [m].
     shape : ndarray, shape (knots, c)
         As of `BoreSplines` [m].
     rule : ndarray, shape (knots, s)
@@ -313,7 +313,7 @@ def field_work(
     surfaces : ndarray
     cold : ColdWalls
     pressure_force : ndarray, shape (cells,)
-        Of whole films [N].
+        Pressure forces of complete films [N].
     guide_height : float
         Height at which the bore is read [m].
     before, growth : ndarray

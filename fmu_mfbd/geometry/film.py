@@ -64,7 +64,8 @@ class BoreSplines(NamedTuple):
     shape : ndarray, shape (knots, c)
         Spline coefficients of the undeformed bore's widening; no rows for a cylinder [m].
     temperature : ndarray, shape (knots, c)
-        Those of the difference of the wall's temperature from its level, as of `Skirt` [K].
+        Spline coefficients of the difference of the wall's temperature from its level, as of
+        `Skirt` [K].
     """
 
     lowest: float

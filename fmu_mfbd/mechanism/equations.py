@@ -27,9 +27,9 @@ class ChainForces(NamedTuple):
     Parameters
     ----------
     residual : ndarray, shape (m + k,)
-        Of the m coordinates of joints [N] or [N m], then of the k modes [kg^-1/2 N].
+        Residuals of the m coordinates of joints [N] or [N m], then of the k modes [kg^-1/2 N].
     torque : float
-        Of the drive, which stands outside the block [N m].
+        Torque of the drive, which is outside the block [N m].
     on_block : ndarray, shape (3,)
         Forces of joints and reactions on the block in its axes [N], and moment about its origin
         [N m].
@@ -81,7 +81,7 @@ def forces_at(
     loads : Loads
     at : ChainMotion
     now : Motion
-        Of all m + k coordinates.
+        Motion in all m + k coordinates.
     carrier : Carrier
         Motion of the block.
 

@@ -51,7 +51,7 @@ class Inertia(NamedTuple):
     Parameters
     ----------
     mass : float
-        Of piston and pin [kg].
+        Mass of piston and pin [kg].
     moment : float
         First moment S_y of the piston about A, which couples both motions [kg m].
     inertia : float
@@ -73,7 +73,8 @@ def inertia_product(inertia: Inertia, a: np.ndarray, b: np.ndarray) -> float:
     ----------
     inertia : Inertia
     a, b : ndarray, shape (n,)
-        Of x_A and the rocking angle; further elements are ignored.
+        Displacements, velocities or accelerations: x_A, rocking angle. Further elements are
+        ignored.
 
     Returns
     -------

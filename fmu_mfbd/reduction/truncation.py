@@ -16,12 +16,12 @@ from .reduced_body import MissingShapes, ReducedBody
 if TYPE_CHECKING:  # slow to import, and used after runs without
     from .smooth_prior import SurfaceAnswers
 
-COUNTED = 0.1
+LEAST_DEFLECTION = 0.1
 """Smallest deflection of an instant or a patch that is compared, relative to the largest. Our own
 choice."""
-NEGLIGIBLE = 1e-9
+NEGLIGIBLE_ENERGY = 1e-9
 """Missing shapes of less than this share of the strongest answer's energy are round-off."""
-THIN = 1e-7
+THIN_FILM = 1e-7
 """h_0 of Eq. (J34) [m]: below it asperities carry, and the mean gap has no meaning."""
 
 
@@ -50,8 +50,8 @@ class Truncation(NamedTuple):
         Root mean square of the missing radial deflection over that of the deflection, all points
         and instants [-].
     largest : float
-        The same for the worst single instant, of those with a deflection of at least `COUNTED` of
-        the largest one [-].
+        The same for the worst single instant, of those with a deflection of at least
+        `LEAST_DEFLECTION` of the largest one [-].
     missing : ndarray, shape (m, points)
         Missing deflection, positive where it opens the gap [m].
     """
@@ -88,13 +88,15 @@ def edge_error(answers: SurfaceAnswers, modes: StaticModes) -> float:
     """Return the largest missing share of the deflection under single patterns of `answers` [-].
 
     Eq. (J47):  max_j |R E_j| / |R K^-1 R^T S_j|      over deflections per force of at least
-                `COUNTED` of the largest one
+                `LEAST_DEFLECTION` of the largest one
 
     A narrow patch on a stiff part of a surface makes a dent only, which no mode contains.
     """
     missing, _ = unreached(answers, modes)
     size = np.linalg.norm(answers.radial, axis=0) / answers.root.sum(axis=0)
-    return float(_shares(missing, answers.radial)[size >= COUNTED * size.max()].max())  # Eq. (J47)
+    return float(
+        _shares(missing, answers.radial)[size >= LEAST_DEFLECTION * size.max()].max()
+    )  # Eq. (J47)
 
 
 def _shares(missing, whole):
@@ -119,7 +121,7 @@ def left_out(answers: SurfaceAnswers, modes: StaticModes, has_film: np.ndarray) 
     energy = answers.root.T @ radial
     whole = np.linalg.norm(answers.root.T @ answers.radial, 2)
     e, w = la.eigh((energy + energy.T) / 2)
-    significant = e > NEGLIGIBLE * whole
+    significant = e > NEGLIGIBLE_ENERGY * whole
     w = w[:, significant] / np.sqrt(e[significant])
     on = has_film[:, None]
     # Eq. (J16)
@@ -160,7 +162,7 @@ def truncation(left: MissingShapes, modes: StaticModes, film: FilmLoads) -> Trun
     deflection = (((yielding @ modes.radial.T + missing)[:, on_film]) ** 2).sum(axis=1)
     if not deflection.any():
         return Truncation(0.0, 0.0, missing)
-    loaded = deflection >= COUNTED**2 * deflection.max()
+    loaded = deflection >= LEAST_DEFLECTION**2 * deflection.max()
     return Truncation(
         error=float(np.sqrt(lost.sum() / deflection.sum())),
         largest=float(np.sqrt((lost[loaded] / deflection[loaded]).max())),
@@ -180,4 +182,4 @@ def share_of_film(missing: np.ndarray, film_thickness: np.ndarray) -> float:
     film_thickness : ndarray, shape (m, c, a)
         h, inf where there is no film [m].
     """
-    return float((np.abs(missing) / np.maximum(film_thickness, THIN)).max())  # Eq. (J34)
+    return float((np.abs(missing) / np.maximum(film_thickness, THIN_FILM)).max())  # Eq. (J34)

@@ -236,7 +236,7 @@ def take_macro_step(memory: np.ndarray, time: float, step: float):
 
 
 @compiled
-def reach(memory: np.ndarray, time: float, step: float):
+def take_macro_steps(memory: np.ndarray, time: float, step: float):
     """Take macro steps up to time + step, as `Coupled.advance`; return False if one fails.
 
     More than `MOST_STEPS` are rejected.
@@ -329,7 +329,9 @@ def begin(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
 
 
 @compiled
-def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
+def take_communication_step(
+    real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray
+):
     """Advance as `Coupled.advance`; return False and keep the state if it fails.
 
     numbers : length of the step, its begin [s], and `WAS_SAVED`, after which the step uses no
@@ -347,7 +349,7 @@ def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     exposed = setup_of(memory).exposed
     carry(real, integer, system, exposed.parameters, INWARD)  # tunable ones may have changed
     carry(real, integer, system, exposed.inputs, INWARD)
-    if reach(memory, numbers[1], numbers[0]):
+    if take_macro_steps(memory, numbers[1], numbers[0]):
         save(system)
         return True
     keep(parts.state, parts.before)
@@ -379,9 +381,9 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
 
 @compiled
 def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Take a communication step; numbers : as of `go_on`."""
+    """Take a communication step; numbers : as of `take_communication_step`."""
     parts_of(memory).faults[0] = 0.0
-    if go_on(real, integer, memory, numbers):
+    if take_communication_step(real, integer, memory, numbers):
         carry(real, integer, system_of(memory), setup_of(memory).exposed.outputs, OUTWARD)
         remember(real, memory, numbers[1], numbers[0])
 
@@ -415,7 +417,9 @@ def nudged(real: np.ndarray, inputs: np.ndarray, last: LastMacroStep, length: fl
 
 
 @compiled
-def again(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: LastMacroStep):
+def repeat_last_step(
+    real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: LastMacroStep
+):
     """Repeat the last step, or the start; return whether it succeeded."""
     if last.step == 0.0:
         return begin(real, integer, memory)
@@ -424,7 +428,7 @@ def again(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: LastM
     numbers = np.zeros(4)
     numbers[0] = last.step
     numbers[1] = last.time
-    return go_on(real, integer, memory, numbers)
+    return take_communication_step(real, integer, memory, numbers)
 
 
 @compiled
@@ -456,7 +460,9 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
         return
     length = nudge_of(real, exposed.inputs, last, rules_of(memory).nudge)
     state, before = parts.state.copy(), parts.before.copy()
-    if length == 0.0 or again(nudged(real, exposed.inputs, last, length), integer, memory, last):
+    if length == 0.0 or repeat_last_step(
+        nudged(real, exposed.inputs, last, length), integer, memory, last
+    ):
         differ(real, system_of(memory), exposed.outputs, last, length)
     keep(parts.state, state)
     keep(parts.before, before)

@@ -42,7 +42,7 @@ SMALL_RESIDUAL = 300.0
 """Residual over its tolerance at which the first update of a step has rough products. They leave a
 three-hundredth of it. Where surfaces touch, further rough updates do not converge.
 """
-LEAST = 1e-6
+LEAST_SCALE = 1e-6
 """Scale of coordinates that move no film, over the largest scale."""
 
 
@@ -297,7 +297,7 @@ def set_scale(system: System, values: np.ndarray):
     """Write how much each coordinate changes the unknowns; return whether the owner answered."""
     if not call_owner(system, MEASURE, 0.0):
         return False
-    least = LEAST * np.max(values)
+    least = LEAST_SCALE * np.max(values)
     for k in range(len(values)):
         system.scale[k] = max(values[k], least)
     return True

@@ -23,8 +23,8 @@ import numpy as np
 from ..fmi.errors import Discard, ParticipantFault, Stopped, Ticked
 from ..participants.participant import block_of
 from ..participants.warned import LoggedWarnings, NamedWarning
-from .events import LARGEST_ITERATION, WHOLE, EndlessEvents, Events
-from .interface import SMALL, Interface
+from .events import LARGEST_ITERATION, TIME_TOLERANCE, EndlessEvents, Events
+from .interface import SMALL_VECTOR, Interface
 from .methods import MacroStep, Method, NotConverged, Solution
 from .methods.explicit import Explicit
 from .settling import solve_settled
@@ -121,7 +121,7 @@ class Predictor:
             return self.past[0][1] + 0.0  # as `extrapolate`, which has no -0
         times, vectors = zip(*self.past)
         size = len(vectors[0])
-        if size > SMALL:
+        if size > SMALL_VECTOR:
             return extrapolate(times, vectors, time)
         weights = [0.0] * len(times)
         lagrange(times, time, weights)
@@ -156,10 +156,10 @@ class Stepper:
         Its participants must have been started.
     method : Method
     halvings : int
-        How often in a row a macro step may be halved.
+        Maximum number of successive halvings of a macro step.
     observer : Observer
     order : int
-        Of the predictor.
+        Order of the predictor.
     control : StepControl, optional
         Chooses the lengths of macro steps. If omitted, a macro step is as long as the interval of
         `advance`.
@@ -249,7 +249,7 @@ class Stepper:
         for _ in range(LARGEST_ITERATION):
             length = self.events.length(time, end - time)
             time = self._take_macro_step(time, length, self.halvings)
-            if end - time <= WHOLE * step:
+            if end - time <= TIME_TOLERANCE * step:
                 return
         raise EndlessEvents(f"t = {time:.6g} s: {LARGEST_ITERATION} clock ticks in a macro step")
 

@@ -311,8 +311,8 @@ class FieldSlave(Fmi2Slave):
     def enter_initialization_mode(self) -> None:
         """Let outputs follow inputs until `exit_initialization_mode`; log a compilation."""
         kernels: Any = sys.modules.get(f"{__package__}.compiled")
-        if kernels and (said := kernels.first_start()):
-            self.log(said, Fmi2Status.warning)
+        if kernels and (message := kernels.first_start()):
+            self.log(message, Fmi2Status.warning)
         self.initialising = True
         self.shown = None
 

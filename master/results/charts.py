@@ -19,7 +19,7 @@ from .words import common_words, labelled, name_of, names_of, scaled
 
 Dash = Literal["solid", "dash", "dot", "dashdot"]
 DASHES: tuple[Dash, ...] = ("solid", "dash", "dot", "dashdot")
-MEASURED = -1
+NO_RUN = -1
 """Number of the run for curves that belong to no run."""
 
 
@@ -27,7 +27,7 @@ MEASURED = -1
 class Curve:
     """Values over an abscissa, in the units of its chart.
 
-    run : number of the run, which determines the colour, or MEASURED.
+    run : number of the run, which determines the colour, or NO_RUN.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Band:
 
     low: float
     high: float
-    said: str
+    text: str
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Corridor:
     x: np.ndarray
     low: np.ndarray
     high: np.ndarray
-    said: str
+    text: str
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Section:
 
     title: str
     drawn: Sequence[Drawn]
-    said: str = ""
+    text: str = ""
     phases: "Sequence[CyclePhase] | None" = None
     """Parts of the cursor's abscissa. Default: those of the page."""
 
@@ -152,7 +152,7 @@ def line_charts(case, picture, runs, x_unit) -> list[Chart]:
     ----------
     case : Case
     picture : Picture
-        Of kind `lines`.
+        Picture of kind `lines`.
     runs : dict of str to Results
     x_unit : str or None
         Unit of the abscissa. Default: SI.
@@ -210,7 +210,7 @@ def _extremes(port, run, x, y, unit) -> list[Extreme]:
     return [Extreme(sign, run, float(x[k]), float(y[k]), f"{y[k]:.3g} {unit}".strip())]
 
 
-NEAR = 0.15, 0.2
+TEXT_DISTANCE = 0.15, 0.2
 """Distance of two points whose texts would meet, relative to width and height of a chart."""
 
 
@@ -227,8 +227,8 @@ def _anchored(extremes, curves) -> list[Extreme]:
             (other.x, n)
             for n, other in enumerate(extremes)
             if n != k
-            and abs(other.x - one.x) < NEAR[0] * width
-            and abs(other.y - one.y) < NEAR[1] * height
+            and abs(other.x - one.x) < TEXT_DISTANCE[0] * width
+            and abs(other.y - one.y) < TEXT_DISTANCE[1] * height
         ]
         share = (one.x - x.min()) / width
         is_left = share > 0.88 or (share > 0.12 and any(other > (one.x, k) for other in others))

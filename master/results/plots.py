@@ -100,9 +100,9 @@ class Plots:
 
     def _known(self, ports: Any, known: list[str]) -> None:
         """Raise `BadInput` for ports that the file does not have."""
-        strange = [port for port in ports if port not in known]
-        if strange:
-            raise BadInput([f"plot: {unknown('variable', port, known)}" for port in strange])
+        unknown_ports = [port for port in ports if port not in known]
+        if unknown_ports:
+            raise BadInput([f"plot: {unknown('variable', port, known)}" for port in unknown_ports])
         if not ports:
             raise BadInput(f"plot: expected {names_of(known)}, got nothing")
 

@@ -86,7 +86,7 @@ class TrimmedDataset:
         return self._dataset[(rows, *others)]
 
 
-NEAR = 1e-6
+ROW_TOLERANCE = 1e-6
 """Share of a period by which a row may miss its beginning due to round-off."""
 SLASH = "\u2215"
 """Character that replaces / in the names of datasets, because HDF5 uses / for groups."""
@@ -144,16 +144,16 @@ class Recorded:
         if shown := written.get("shown"):
             self._show(shown)
             passed = (self._times[self._first_row] - self._times[0]) / self.period
-            self._zero_row = self._row(self._times[0] + floor(passed + NEAR) * self.period)
+            self._zero_row = self._row(self._times[0] + floor(passed + ROW_TOLERANCE) * self.period)
 
     def _row(self, time: float) -> int:
         """Return the first row at or after a time of the file [s], within round-off."""
-        return int(np.searchsorted(self._times, time - NEAR * self.period))
+        return int(np.searchsorted(self._times, time - ROW_TOLERANCE * self.period))
 
     def _show(self, periods: int):
         """Show the last periods, or the whole run if it is shorter than one."""
         begin, end = self._times[0], self._times[-1]
-        cycles = floor((end - begin) / self.period + NEAR)
+        cycles = floor((end - begin) / self.period + ROW_TOLERANCE)
         self._first_row = self._row(end - min(periods, cycles) * self.period) if cycles else 0
 
     @property
@@ -277,7 +277,7 @@ class Recorded:
         """Index of the first recorded instant that is shown."""
         if not self._first_row:
             return 0
-        since = self._times[self._first_row] - NEAR * self.period
+        since = self._times[self._first_row] - ROW_TOLERANCE * self.period
         return int(np.searchsorted(self.file["fields/time"][:], since))
 
     @property

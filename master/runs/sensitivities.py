@@ -45,7 +45,7 @@ class Sensitivity:
 
 @dataclass(frozen=True)
 class Runs:
-    """How designs are run.
+    """Settings for the runs of designs.
 
     tree : resolved TOML tree of the case; path : of its file; space : variables; folder : of the
     rows; executor : as for `sweep.sweep`; watch : called with number done, number of all, and the

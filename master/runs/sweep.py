@@ -124,7 +124,7 @@ def all_points(path, changes, axes):
     Parameters
     ----------
     path : Path
-        Of the case.
+        File of the case.
     changes : list of (str, Any)
         Dotted keys and values that all points have in common.
     axes : list of Axis
@@ -194,7 +194,7 @@ def run_point(tree, case_folder, output, uncertainty=False):
     """
     from ..case.system import open_system
     from ..engine.answer import row_of
-    from ..engine.uncertainty import PART
+    from ..engine.uncertainty import PART_PREFIX
     from .completed import complete_run
 
     try:
@@ -206,8 +206,10 @@ def run_point(tree, case_folder, output, uncertainty=False):
         row = {"status": "done", "message": ""} | row_of(case, output)
         if uncertainty:
             row[SECOND_GRID_COLUMN] = True
-        texts = f"{PART}reason", f"{PART}kept"
-        return row | {k: v for k, v in summary.items() if not k.startswith(PART) or k in texts}
+        texts = f"{PART_PREFIX}reason", f"{PART_PREFIX}kept"
+        return row | {
+            k: v for k, v in summary.items() if not k.startswith(PART_PREFIX) or k in texts
+        }
     except BadInput as error:
         return {"status": "bad input", "message": "; ".join(error.faults)}
     except Stopped as error:  # no convergence, a fault of a participant, a full disk

@@ -60,7 +60,7 @@ class NewtonSystem(NamedTuple):
     unknowns, images : ndarray of int, shape (unknowns,)
         Positions of the unknowns and of their mirror images, which have the same values.
     scale, limits : ndarray, shape (unknowns,)
-        Of the unknowns, and bounds on the scaled residual.
+        Scale of the unknowns, and bounds on the scaled residual.
     seed : ndarray, shape (size,)
         Argument of `derivative`; 0 except for the unknowns.
     products : ndarray, shape (most, size)

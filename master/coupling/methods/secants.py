@@ -1,10 +1,10 @@
-"""What quasi-Newton methods learn from iterates, and a way to an update from it.
+"""Secant pairs of quasi-Newton methods, and updates from them.
 
-A secant pair is a change of the unknowns (the feedback wires) and the change of their residual that
-came with it, both in nominals, newest first. A way is a memory of pairs: it collects them by
-`learn`, returns the answer to a residual by `update`, and accepts the macro step by `close`.
-Memories are plain data, which a checkpoint holds; see `coupling.freezing`. One more way is a
-plug-in, models/elastic_tube/secants.py.
+A secant pair is a change of the unknowns (the feedback wires) and the resulting change of their
+residual, both in nominal values, newest first. The classes here are memories of pairs. `learn` adds
+pairs, `update` returns the update for a residual, and `close` ends an accepted macro step. Memories
+are plain data, which a checkpoint contains; see `coupling.freezing`. The plug-in
+models/elastic_tube/secants.py is another such class.
 """
 
 from dataclasses import dataclass, field

@@ -69,7 +69,7 @@ class Solution(NamedTuple):
 
 
 class Tried(Protocol):
-    """A macro step as a method sees it: `MacroStep`, or one that answers in its place."""
+    """A macro step for a method: `MacroStep`, or an object that replaces it."""
 
     @property
     def interface(self) -> Interface: ...

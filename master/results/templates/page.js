@@ -136,7 +136,7 @@ async function showDetails() {
   const sections = [...data.films.map(carpetsOf), ...data.sections].filter(section => section.drawn.length);
   for (const section of sections) {
     element("h2", parent, section.title);
-    if (section.said) element("p", parent, section.said);
+    if (section.text) element("p", parent, section.text);
     await drawSectionCharts(element("div", parent, "", "charts"), section);
   }
 }
