@@ -34,7 +34,8 @@ class Parameters:
 
     Each number is declared here, once: unit, default, range and meaning.
 
-    Pressures are gauge, on one datum, edges not below cavitation, `edge_faults`.
+    Pressures are gauge pressures with one reference. Edges are not below cavitation pressure, see
+    `contradictions`.
 
     Parameters
     ----------

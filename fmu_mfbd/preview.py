@@ -26,8 +26,8 @@ from .dynamics.parameters import (
     ELEMENT_PARAMETERS,
     AxisParameters,
     Parameters,
+    parameters_from,
     settings_of,
-    taken,
 )
 from .dynamics.pin_axis import pin_beam, pin_span
 from .dynamics.thermal_growth import Radii
@@ -102,8 +102,8 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     except BadInput as error:
         return Preview(faults=error.faults)
     valid = {name: value for name, value in parameters.items() if value is not None}
-    chosen = taken(Parameters, valid)
-    elements = tuple(taken(kind, valid) for kind in ELEMENT_PARAMETERS)
+    chosen = parameters_from(Parameters, valid)
+    elements = tuple(parameters_from(kind, valid) for kind in ELEMENT_PARAMETERS)
     wrong: list[str] = []
     warnings: list[str] = []
     piston = _tried(_piston, build, wrong, warnings)
@@ -314,7 +314,7 @@ def _axis(prepared: BuildOptions, given: dict[str, Any], build: Build) -> AxisPa
     pin = prepared.floating_pin
     if pin is None or not pin.pin_shapes or (build.floating_pin and build.floating_pin.boss_modes):
         return None
-    return taken(AxisParameters, given)
+    return parameters_from(AxisParameters, given)
 
 
 def _of_axis(

@@ -26,7 +26,14 @@ from .dynamics.model import (
     stacked,
 )
 from .dynamics.model_faults import faults
-from .dynamics.parameters import ELEMENT_PARAMETERS, REFERENCE, TUNABLE, Damping, Parameters, taken
+from .dynamics.parameters import (
+    ELEMENT_PARAMETERS,
+    REFERENCE,
+    TUNABLE,
+    Damping,
+    Parameters,
+    parameters_from,
+)
 from .dynamics.state import PistonState
 from .dynamics.system import RingForce
 from .geometry.pin import PinForces
@@ -94,9 +101,9 @@ class Mfbd(FieldSlave):
         """
         options = self.built
         self._warned = ""
-        parameters = taken(Parameters, values)
+        parameters = parameters_from(Parameters, values)
         kinds = [*table.own_parameters(options), *ELEMENT_PARAMETERS]
-        own = [taken(kind, values) for kind in kinds]
+        own = [parameters_from(kind, values) for kind in kinds]
         bodies = load_bodies(self.resources, options)
         if wrong := faults(bodies, options, parameters, own):
             raise BadInput(wrong)

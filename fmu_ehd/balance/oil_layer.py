@@ -275,12 +275,12 @@ def mean_of(velocity: Array, open_cells: Flags, cells: Cells):
 @compilable
 def volume(bore: Bore, layer: OilLayer) -> float:
     """Return the oil on the bore and at the edges of the skirt [m3]."""
-    return _held(bore, layer.bore, layer.reservoir)
+    return _oil_volume(bore, layer.bore, layer.reservoir)
 
 
 @compilable
-def _held(bore, oil, reservoir):
-    """Return the volume of a layer and of what the edges push along [m3]."""
+def _oil_volume(bore, oil, reservoir):
+    """Return the volume of a layer and of the reservoirs at the edges [m3]."""
     pushed = sum_of_products(reservoir, np.ones(bore.faces.shape))
     return sum_of_products(oil, bore.area) + pushed
 
@@ -445,7 +445,7 @@ def left(
         velocity=velocity,
         velocity_before=before.velocity,
         supplied=covered.supplied - sum_of_products(fallen, np.ones(fallen.shape)),
-        held=_held(bore, oil, reservoir),
+        held=_oil_volume(bore, oil, reservoir),
     )
 
 

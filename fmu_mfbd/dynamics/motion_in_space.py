@@ -298,7 +298,7 @@ def imbalance(
     pull = on_piston + bodies.pin_mass * at.acceleration[last, :TURN]
     q = now.position
     roll, z, arm = spin.tilt[0], q[SHIFT], bodies.pin_offset + q[LATERAL]
-    holding, (load_z, load_roll, load_yaw) = _held(bodies, now), load.across
+    holding, (load_z, load_roll, load_yaw) = _stop_forces(bodies, now), load.across
     carried = bodies.pin_mass * now.acceleration[SHIFT]
     out_of_plane = np.array(
         [
@@ -332,8 +332,8 @@ def _square(load, pull, tilt):
 
 
 @compiled
-def _held(bodies, now):
-    """Return what holds z, roll and yaw, (3,)."""
+def _stop_forces(bodies, now):
+    """Return the forces of the stops in z, roll and yaw, (3,) [N], [N m]."""
     q, v = now.position, now.velocity
     along = stop_force(bodies.along, q[SHIFT:ROLL], v[SHIFT:ROLL])
     return np.concatenate((along, stop_force(bodies.askew, q[ROLL:], v[ROLL:])))

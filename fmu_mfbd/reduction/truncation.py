@@ -13,7 +13,7 @@ import scipy.linalg as la
 from .film_loads import FilmLoads
 from .reduced_body import MissingShapes, ReducedBody
 
-if TYPE_CHECKING:  # slow to import, and used after runs without
+if TYPE_CHECKING:  # slow to import, and only its type is used
     from .smooth_prior import SurfaceAnswers
 
 LEAST_DEFLECTION = 0.1
@@ -33,7 +33,7 @@ class StaticModes(NamedTuple):
     omega : ndarray, shape (k,)
         [rad/s]
     radial, axial : ndarray, shape (points, k)
-        [kg^-1/2].
+        Displacements of the modes at the points of the surface [kg^-1/2].
     """
 
     omega: np.ndarray
@@ -68,13 +68,13 @@ def static_modes(body: ReducedBody) -> StaticModes:
 
 
 def unreached(answers: SurfaceAnswers, modes: StaticModes) -> tuple[np.ndarray, np.ndarray]:
-    """Return the radial and axial part of static answers that modes leave out, (points, n) [m/N].
+    """Return the radial and axial deflection under n patterns that modes omit, (points, n) [m/N].
 
     Eq. (J50):  R E, A E,   E = (K^-1 - Phi Omega^-2 Phi^T) R^T S
     """
-    felt = modes.radial.T @ answers.root / modes.omega[:, None] ** 2
+    coordinates = modes.radial.T @ answers.root / modes.omega[:, None] ** 2
     # Eq. (J50)
-    return answers.radial - modes.radial @ felt, answers.axial - modes.axial @ felt
+    return answers.radial - modes.radial @ coordinates, answers.axial - modes.axial @ coordinates
 
 
 def smooth_error(answers: SurfaceAnswers, modes: StaticModes, has_film: np.ndarray) -> float:
@@ -85,12 +85,13 @@ def smooth_error(answers: SurfaceAnswers, modes: StaticModes, has_film: np.ndarr
 
 
 def edge_error(answers: SurfaceAnswers, modes: StaticModes) -> float:
-    """Return the largest missing share of the deflection under single patterns of `answers` [-].
+    """Return the largest missing share of the deflection under a single pattern [-].
 
     Eq. (J47):  max_j |R E_j| / |R K^-1 R^T S_j|      over deflections per force of at least
                 `LEAST_DEFLECTION` of the largest one
 
-    A narrow patch on a stiff part of a surface makes a dent only, which no mode contains.
+    A narrow patch on a stiff part of a surface only makes a dent, which no mode contains. The
+    patterns are those of `answers`.
     """
     missing, _ = unreached(answers, modes)
     size = np.linalg.norm(answers.radial, axis=0) / answers.root.sum(axis=0)
@@ -105,14 +106,14 @@ def _shares(missing, whole):
 
 
 def left_out(answers: SurfaceAnswers, modes: StaticModes, has_film: np.ndarray) -> MissingShapes:
-    """Return the static shapes that the modes leave out of the answers to smooth pressures.
+    """Return the static shapes under smooth pressures that the modes omit.
 
     Eq. (J16):  S^T R E w_i = e_i w_i,   X_i = E w_i e_i^-1/2      E of `unreached`
 
     Parameters
     ----------
     answers : SurfaceAnswers
-        To the whole prior, also if the modes are for the even part of the pressure.
+        Deflections under the whole prior, also if the modes are for the even part of the pressure.
     modes : StaticModes
     has_film : ndarray of bool, shape (points,)
         Points that have a film.
@@ -135,7 +136,7 @@ def truncation(left: MissingShapes, modes: StaticModes, film: FilmLoads) -> Trun
 
     It is exact for pressures in the span of the prior (Eq. (J31)). For others it is the part of the
     missing deflection that smooth pressures can produce, so it never exceeds the missing elastic
-    energy. Gas and inertia are left out: the bases that answer to a film hold them exactly.
+    energy. Gas and inertia are omitted, because the bases for films contain their shapes exactly.
 
     Parameters
     ----------

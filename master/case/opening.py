@@ -6,7 +6,7 @@ from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
 from ..participants.isolated import IsolatedParticipant
 from ..participants.open import open_fmu
-from ..participants.plugins import made
+from ..participants.plugins import from_plugin
 from ..participants.table import TableParticipant
 from .ahead import missing_file
 from .contract import in_contract_units
@@ -29,7 +29,7 @@ def open_participant(
     """
     table = case.participants[name]
     if table.plugin:
-        return made("participants", table.plugin, name, table.build, folder)
+        return from_plugin("participants", table.plugin, name, table.build, folder)
     if table.table:
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
     path = _path_of_fmu(table, build, folder, progress, native, fmu_options or {})

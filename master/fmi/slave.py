@@ -321,9 +321,9 @@ class FieldSlave(Fmi2Slave):
 
         If these are rejected, the outputs do not change. The end of the initialisation reports why.
         """
-        if not self.initialising or self.shown == self._given():
+        if not self.initialising or self.shown == self._start_values():
             return
-        self.shown = self._given()
+        self.shown = self._start_values()
         if self._range_faults():
             return
         try:
@@ -339,7 +339,7 @@ class FieldSlave(Fmi2Slave):
         self.initialising = False
         self.state = self._checked_start()
 
-    def _given(self) -> tuple[Any, ...]:
+    def _start_values(self) -> tuple[Any, ...]:
         """Return all values that a start depends on, comparable."""
         return (
             *(self.views[v.name].tobytes() for v in self.table if v.name in self.settable),

@@ -30,7 +30,7 @@ def sole_writer(output):
     """
     path = lock_path(output)
     missing = [folder for folder in path.parents if not folder.exists()]
-    handle = _held(path, output)
+    handle = _locked_file(path, output)
 
     def release():
         path.unlink(missing_ok=True)
@@ -45,7 +45,7 @@ def sole_writer(output):
         os.close(handle)
 
 
-def _held(path, output):
+def _locked_file(path, output):
     """Return the handle of the locked lock file."""
     while True:
         try:

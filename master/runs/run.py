@@ -35,7 +35,7 @@ from ..coupling.work import InterfaceWork
 from ..fmi.errors import BadInput, Finished, NotFinite
 from ..participants.fmi2 import ParticipantFault
 from ..participants.plain import NotPlain
-from ..participants.plugins import made
+from ..participants.plugins import from_plugin
 from ..participants.warned import LoggedWarning, merged
 from .checkpoint import (
     Account,
@@ -214,7 +214,7 @@ class ActiveRun(Observer):
             self.account.spent["recording"] = 0.0
         self.monitors = monitors(case, system)
         self.observers = [
-            made("observers", name, options, system, output)
+            from_plugin("observers", name, options, system, output)
             for name, options in case.observers.items()
         ]
         self.parts = []
@@ -517,7 +517,7 @@ def _step_control(system, coupling):
     if coupling.step_control is None:
         return step_control(system.wires, system.smallest_step)
     arguments = system.wires, system.smallest_step, coupling.options
-    return made("step_controls", coupling.step_control, *arguments)
+    return from_plugin("step_controls", coupling.step_control, *arguments)
 
 
 def monitors(case, system):
