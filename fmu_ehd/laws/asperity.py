@@ -25,15 +25,15 @@ Boundary shear, Coulomb's and that of the boundary layer:
 Eq. (A6):  tau_b = mu_b p + tau_0 A_c/A
 
 D is the parabolic cylinder function. E* is the contact modulus with the sum of both compliances;
-with E' = 2/sum the factor of Eq. (A3) is half as large. For Lambda < 0 the integrals go on along
-their tangent at Lambda = 0: the height distribution says nothing about overlap, and a straight line
-keeps the contact stiffness finite there. At Lambda = -1.5 it is below half of the integral, and the
-law ends:
+with E' = 2/sum the factor of Eq. (A3) is half as large. For Lambda < 0 the integrals continue along
+their tangent at Lambda = 0, because the height distribution does not describe overlap. A straight
+line also keeps the contact stiffness finite. At Lambda = -1.5 it is below half of the integral.
+Therefore the law ends:
 
 Eq. (A14):  h > -1.5 sigma
 
-Smooth surfaces, sigma = 0, have no contact law and must be apart. A coating yields by less than its
-thickness d, so that h without its deflection is above -1.5 sigma - d.
+Smooth surfaces, sigma = 0, have no contact law and must not touch. A coating deflects by less than
+its thickness d, so h without its deflection is above -1.5 sigma - d.
 
 References
 ----------
