@@ -1,7 +1,6 @@
 """The variables of the lubrication FMU, each declared once.
 
-On a bearing skirt and bore are journal and shell; the grid, and with it the film thickness, rests
-on the shell.
+In a bearing, skirt and bore are journal and shell. The grid of the film is fixed to the shell.
 """
 
 from collections.abc import Collection, Iterator, Mapping

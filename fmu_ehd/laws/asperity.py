@@ -16,11 +16,11 @@ The usual power fit, 4 to 74 % low for Lambda = 0 to 3:
 
 Eq. (A5):  F_5/2(Lambda) = 4.4086e-5 (4 - Lambda)^6.804, Lambda < 4
 
-Elastic energy by area, what the asperities give back as the gap opens:
+Elastic energy by area, which the asperities release as the gap opens:
 
 Eq. (A9):  e = int_h^inf p dh' = (2/7) p_0 sigma F_7/2(Lambda),   p = p_0 F_5/2
 
-Boundary shear, Coulomb's and that of the boundary layer:
+Boundary shear stress, by Coulomb friction and by the boundary layer:
 
 Eq. (A6):  tau_b = mu_b p + tau_0 A_c/A
 

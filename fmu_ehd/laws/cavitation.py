@@ -65,10 +65,10 @@ SETTLED = 1e-8  # change of the derivatives of Eq. (C6) by the last Newton step
 class PatternChange(NamedTuple):
     """Pattern of full cells after a solution.
 
-    pattern : ndarray of bool, shape (n_c, n_a), to go on with;
-    switched : cells that want to switch, -1: the solution is not finite;
-    lowest, highest : first and last axial station of the switched cells;
-    i, j : the first cell that wants to switch, or that is not finite.
+    pattern : ndarray of bool, shape (n_c, n_a), the next pattern;
+    switched : number of cells whose state contradicts their solution, -1: it is not finite;
+    lowest, highest : first and last axial station of these cells;
+    i, j : the first of them, or the first cell that is not finite.
     """
 
     pattern: Flags

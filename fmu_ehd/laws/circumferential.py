@@ -1,7 +1,7 @@
-"""Shear around the circumference, and what sliding costs on a grid that rests on the bore.
+"""Circumferential shear, and friction power on a grid that is fixed to the bore.
 
-A bearing slides both ways, and its grid rests on the shell, its bore. Around the circumference, as
-Eqs. (F1), (F2) along the axis:
+A bearing slides in both directions, and its grid is fixed to the shell, which is its bore. Around
+the circumference, as Eqs. (F1), (F2) along the axis:
 
 Eq. (F6):  tau_v = -(f c W - b dp/dx)
 Eq. (F7):  tau_a = -tau_b W / s,   s^2 = V^2 + W^2 + v0^2

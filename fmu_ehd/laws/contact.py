@@ -9,7 +9,7 @@ Eq. (A7):  h(x, y) = h_c + x (h_e - h_w)/2 + x^2 (h_e - 2 h_c + h_w)/2
 Eq. (A8):  p = sum_q w_q p(h(x_q, y_q)),   dp/dh_k = sum_q w_q p'(h(x_q, y_q)) dh(x_q, y_q)/dh_k
 
 at Gauss points q with weights w_q; area fraction, boundary stress and energy likewise. Ovality and
-barrel are parabolas within a cell. Beyond an edge and a cut-out the gap goes on straight,
+barrel are parabolas within a cell. Beyond an edge and a cut-out the gap continues linearly,
 h_n = 2 h_c - h_s, and it is constant between two of them. It does so beyond a step of the profile
 too. The gap steps between two cells where its jump is as large as a quarter of the roughness, and
 four times those before and behind. Its weight w is 1 there, 0 where the gap is smooth, and once

@@ -12,7 +12,7 @@ in both directions. Eq. (O6) is exact where alpha_p and Z do not vary over the f
 temperature field Z belongs to the mean of mu_0 over the cells with a film.
 
 Suction in a full film has p < 0. Eq. (O5) ends at p = -1.96e8 Pa, and a step that needs less is
-discarded. Below this end q goes on straight, so that trials of an iteration stay finite.
+discarded. Below this end q continues linearly, so that trials of an iteration remain finite.
 
 A law holds up to mu/mu_0 = `LARGEST_RATIO`, the viscosity is constant beyond. Without the limit q
 would be bounded and a hard squeeze would have no pressure at all; with it the pressure of any q

@@ -348,8 +348,8 @@ def factor_table(
 ) -> Array:
     """Return the table of the factors on a uniform grid of Lambda.
 
-    It goes from `TABLE_START` to `TABLE_END`. A bearing slides around its axis, and its grid rests
-    on the bore instead of the skirt, which is the journal.
+    The table is from `TABLE_START` to `TABLE_END`. A bearing slides around its axis. Its grid is
+    fixed to the bore, not to the skirt, which is the journal.
 
     Parameters
     ----------

@@ -282,7 +282,7 @@ def elastic_energy(of: BodySystem, position: np.ndarray) -> float:
 
 @compilable
 def load_of(system: BodySystem, films: FilmForces, others: OtherForces) -> Load:
-    """Return the load on the piston, all but the pin's, and of films on modes.
+    """Return the load on the piston except that of the pin, and the load of films on modes.
 
     Eq. (D8):  moment about A = (gas - F_y)(pin offset + x_A) + M
 

@@ -178,7 +178,7 @@ def bore_splines(
 
     Eq. (H3):  (c_(i-1) + 4 c_i + c_(i+1))/6 = value_i, second derivative zero at both ends
 
-    It is twice continuously differentiable in height, so that a moving skirt sees no kinks.
+    It is twice continuously differentiable in height, so the film of a moving skirt has no kinks.
 
     Parameters
     ----------

@@ -101,7 +101,7 @@ class FreeSlides(NamedTuple):
     Parameters
     ----------
     acts : ndarray, shape (r,)
-        Number in `force_elements.element.BODIES` of the body that hangs on the joint.
+        Number in `force_elements.element.BODIES` of the body whose joint it is.
     turns, direction
         As of `chain.Joints`.
     """
@@ -243,7 +243,7 @@ def _plays_of(c):
 
 @compilable
 def _joints_of(c, plays):
-    """Return the joints of crank, rod, pin and piston, each hangs on the one before it."""
+    """Return the joints of crank, rod, pin and piston. Each body is the parent of the next."""
     n = _count(c)
     piston = n - 1
     parent, angle = np.full(n, BLOCK), np.full(n, NONE)

@@ -55,11 +55,11 @@ def command(
 ):
     """Find the best numbers and profile of a case within limits.
 
-    The goal is a figure of the table of a sweep. Its direction is the one that a design wants. With
-    several operating points, the goal is the mean of its ratios to those of the case, and every
-    limit holds at each point. Each gradient takes a run for every variable and point, all at the
-    same time. The command compares the result with the case at every point, and writes variables,
-    profile, pictures and results files. A repeated call reuses finished runs.
+    The goal is a figure of the table of a sweep, lower or higher, whichever is better. With several
+    operating points, the goal is the mean of its ratios to those of the case, and every limit holds
+    at each point. Each gradient takes a run for every variable and point, all at the same time. The
+    command compares the result with the case at every point, and writes variables, profile,
+    pictures and results files. A repeated call reuses finished runs.
 
     Example: piston-cosim optimise numerical_example mean_friction_power_w --shapes 5x3
     --limit minimum_film_thickness_m --limit "maximum_pressure_pa<=4 MPa"

@@ -213,7 +213,7 @@ class Iteration:
         self._run = partial(method.run, called, ctypes.c_size_t(len(rows)), *pointers)
 
     def _setup(self, newton: Newton, rows: list[ParticipantRow], owner: int) -> CoupledSetup:
-        """Return what the machine code knows about participants, wires and method."""
+        """Return the data of participants, wires and method for the machine code."""
         wires = range(len(self.interface.wires))
         return CoupledSetup(
             Rules(

@@ -7,7 +7,7 @@ from ..fmi.errors import Discard
 from .wiring import HeldWire, carry
 
 LARGEST_ITERATION = 1000
-"""Rounds of ticks at one instant; macro steps between clock ticks within one that was asked for."""
+"""Maximum number of rounds of ticks at an instant, and of macro steps with ticks in an interval."""
 TIME_TOLERANCE = 1e-9
 """Share of a step that counts as zero."""
 

@@ -52,7 +52,7 @@ DESIGN = {
     "largest_rocking_angle_rad": "lower",
     "contact_share": "lower",
 }
-"""Measures of a design and where it wants them; each name ends with its unit."""
+"""Measures of a design -> whether lower or higher values are better. A name ends with the unit."""
 NEGLIGIBLE_CONTACT = 1e-6
 """Share up to which contact counts as none."""
 LEAST_SHARE = 5e-5

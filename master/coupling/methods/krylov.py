@@ -382,8 +382,7 @@ class RecycledGmres:
     the A of that time on the space spanned by Z, and the identity elsewhere. GMRES works with A P,
     so a stale P costs products, never accuracy.
 
-    Few directions need few pairs. What is older than these adds nothing but its age: it is left out
-    for good, neither fetched nor weighed against what is newer.
+    Few directions need few pairs. Older pairs do not improve P, so they are removed permanently:
 
     Eq. (Q11):  pairs <= 1.3 d + 4,   d = tr Z' Z (Z' Z + n I)^-1
 

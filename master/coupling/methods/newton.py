@@ -12,7 +12,8 @@ from .probing import ProbedStep
 from .solution import NotConverged, Solution, Tried, check_finite
 
 SINGULAR_RATIO = 1e-8
-"""Largest |(I - J) dx| / |dx| of a loop that counts as singular; differences are good to 1e-11."""
+"""Largest |(I - J) dx| / |dx| of a loop that counts as singular. The error of differences is
+1e-11."""
 STALL_RATIO = 0.5
 """The second half of an iteration that stays above this share of the first half's best has stalled.
 """

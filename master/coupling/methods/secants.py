@@ -16,7 +16,7 @@ from .filtering import filtered
 
 
 class Secants(Protocol):
-    """A way to an update from secant pairs, with its memory of them."""
+    """Memory of secant pairs that returns updates."""
 
     @property
     def empty(self) -> bool: ...
@@ -49,7 +49,7 @@ class LeastSquares:
     Eq. (Q4):  dx = X c + m (r + V c),   c = argmin |V c + r|,   V = [dr_1, ..],  X = [dx_1, ..]
 
     It runs in residual-sum scaling: nominals first, then each wire divided by its share of the
-    residuals seen in this macro step, so that no field drowns another.
+    residuals seen in this macro step, so that no field dominates the others.
 
     windows : accepted macro steps whose pairs are used again; limit : of the filter; now, past :
     pairs of the running macro step and of accepted ones; shares : residuals seen by wire.
