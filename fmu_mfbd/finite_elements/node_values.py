@@ -144,14 +144,12 @@ def _by_meshio(path, quantity, field):
 
 def _chosen(names: Sequence[str], quantity: Quantity, field: str | None) -> str:
     """Return the name of the field of a quantity."""
-    names_to_read = (
-        [field] if field else [name for name in names if re.match(quantity.pattern, name)]
-    )
-    if len(names_to_read) != 1 or names_to_read[0] not in names:
+    matches = [field] if field else [name for name in names if re.match(quantity.pattern, name)]
+    if len(matches) != 1 or matches[0] not in names:
         asked = f"field {field!r}" if field else f"one field with the {quantity.name}"
         known = ", ".join(names) or "none"
         raise MeshFault(f"expected {asked}, got {known}; set field to its name")
-    return names_to_read[0]
+    return matches[0]
 
 
 def _of_frd(path, quantity, field):
