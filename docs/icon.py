@@ -12,7 +12,7 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 
 SIZE = 128
-"""Of the picture [pixels]."""
+"""Width and height of the picture [pixels]."""
 STEEL, OIL, PRESSURE = "#3b4754", "#e0a526", "#b3261e"
 
 

@@ -26,13 +26,13 @@ from .variables import CONDITION_VARIABLES, FILM_VARIABLES, OIL_VARIABLES, varia
 KNOWN = {v.name: v for v in (*FILM_VARIABLES, *OIL_VARIABLES, *CONDITION_VARIABLES)}
 """Every parameter of a film, as its FMU declares it."""
 
-LONGEST, SHORTEST, AFTERWARDS = 1e9, 1e-9, 1e-6
+LONGEST_STEP, SHORTEST_STEP, OUTPUT_STEP = 1e9, 1e-9, 1e-6
 """Lengths of the steps to a steady film, and of the one whose outputs `steady` returns [s]."""
 MOST_STEPS, MOST_SHORT_STEPS = 100, 1000
-TRAVEL = 4.0
+CELLS_PER_STEP = 4.0
 """Cells that oil travels in a step if long steps do not settle."""
 LIFTS = np.append(0.5 ** np.arange(1, 9), 0.0)  # of thicker films, over the largest thickness
-SCALE = 1.0  # pressure below which a change counts as absolute [Pa]
+PRESSURE_SCALE = 1.0  # pressure below which a change counts as absolute [Pa]
 NO_SUPPLY = (
     "oil supply: expected an edge or opening that feeds a steady film, got none; it drains. Set "
     "pressure_lower_edge or pressure_upper_edge above cavitation_pressure, add an opening with oil "
@@ -60,7 +60,7 @@ class Film:
     grid : tuple of int
         Cells around and along.
     open_cells : ndarray of bool, shape `grid`, optional
-        Where there is no skirt, and no film.
+        True for cells without skirt, which have no film.
     surface : str
         "skirt", or "bearing": a journal in its shell, on which the grid rests then.
     oil : str, optional
@@ -133,7 +133,7 @@ class Film:
 
     @staticmethod
     def parameters() -> dict[str, Variable]:
-        """Every parameter by its name: unit, default (`start`), allowed range, description.
+        """Return every parameter by its name: unit, default (`start`), allowed range, description.
 
         `film_symmetry` is missing. It is for a film between bodies, and changes no result.
         """
@@ -187,7 +187,7 @@ class Film:
         circumferential_velocity: Array | float | str | None = None,
         **conditions: Any,
     ) -> dict[str, Any]:
-        """One step of length `step` [s] to the given film and velocity; otherwise as `start`.
+        """Take one step of length `step` [s] to the given film and velocity; otherwise as `start`.
 
         Raises
         ------
@@ -326,9 +326,9 @@ class Film:
         self._check_bearing(shells)
         if load is not None and np.shape(load) != (2,):
             raise BadInput(f"load: expected two forces [N], got {load!r}")
-        wanted = {} if load is None else dict(load=load)
+        loads = {} if load is None else dict(load=load)
         gap = replace(self._inputs["film_thickness"], name="clearance")
-        values = read(dict(clearance=clearance) | wanted, dict(clearance=gap, load=LOAD), "input")
+        values = read(dict(clearance=clearance) | loads, dict(clearance=gap, load=LOAD), "input")
         free, force = values["clearance"], values.get("load")
         if force is not None and not np.any(force):
             raise BadInput("load: expected two forces [N] that are not both 0, got 0 and 0 N")
@@ -377,7 +377,7 @@ class Film:
         self.state = at.film.state
         outputs = self._at_rest(inputs | dict(film_thickness=at.thickness))
         by_shape = at.film.by_shape
-        squeezed = AFTERWARDS * (by_shape - by_shapes())
+        squeezed = OUTPUT_STEP * (by_shape - by_shapes())
         free = shapes.stiffness == 0.0
         return outputs | dict(
             position=at.coordinates[free],
@@ -431,7 +431,7 @@ class Film:
             self._settle(self._start(inputs), tolerance, inputs)
         except NotConverged as trouble:
             longest = self._short_step(inputs)
-            if longest < LONGEST:
+            if longest < LONGEST_STEP:
                 try:
                     return self._settle(self._start(inputs), tolerance, inputs, longest)
                 except NotConverged:
@@ -446,33 +446,37 @@ class Film:
                 raise trouble from None
 
     def _short_step(self, inputs: dict[str, Any]) -> float:
-        """Return the step in which oil travels `TRAVEL` cells along a skirt [s].
+        """Return the step in which oil travels `CELLS_PER_STEP` cells along a skirt [s].
 
         The lift of the film fraction (`balance.transport`) is that of the step before. In long
         steps it may alternate.
         """
         fixed = self.model.fixed
         velocity = 0.0 if fixed.domain.bearing else float(np.abs(inputs["sliding_velocity"]).max())
-        travel = TRAVEL * fixed.domain.cells.dy
-        return min(LONGEST, travel / (abs(fixed.share) * velocity)) if velocity > 0.0 else LONGEST
+        travel = CELLS_PER_STEP * fixed.domain.cells.dy
+        return (
+            min(LONGEST_STEP, travel / (abs(fixed.share) * velocity))
+            if velocity > 0.0
+            else LONGEST_STEP
+        )
 
     def _settle(
         self,
         outputs: dict[str, Any],
         tolerance: float,
         inputs: dict[str, Any],
-        longest: float = LONGEST,
+        longest: float = LONGEST_STEP,
     ) -> None:
-        """Step until the film stays; NotConverged if it does not."""
+        """Step until the film does not change; raise NotConverged if it does not settle."""
         length, change = longest, np.inf
-        most = MOST_STEPS if longest == LONGEST else MOST_SHORT_STEPS
+        most = MOST_STEPS if longest == LONGEST_STEP else MOST_SHORT_STEPS
         for _ in range(most):
             last = outputs
             try:
                 outputs = self._step(inputs, length)
             except NotConverged as trouble:
                 length /= 1e3
-                if length < SHORTEST:
+                if length < SHORTEST_STEP:
                     raise NotConverged(f"the film does not become steady: {trouble}") from None
                 continue
             change = _change(last, outputs)
@@ -488,7 +492,7 @@ class Film:
         """Return the outputs of a steady film, whose work counts from now on."""
         totals = self._memory.totals._replace(friction_work=0.0, boundary_work=0.0)
         self.state = self._memory._replace(totals=totals)
-        return self._step(inputs, AFTERWARDS)
+        return self._step(inputs, OUTPUT_STEP)
 
     def tangent(
         self,
@@ -572,7 +576,7 @@ class Film:
 
 def _change(before: Mapping[str, Any], after: Mapping[str, Any]) -> float:
     """Return the larger change of film fraction and of pressure over its maximum [-]."""
-    largest = max(np.abs(after["pressure"]).max(), SCALE)
+    largest = max(np.abs(after["pressure"]).max(), PRESSURE_SCALE)
     pressure = np.abs(after["pressure"] - before["pressure"]).max() / largest
     return max(pressure, np.abs(after["film_fraction"] - before["film_fraction"]).max())
 

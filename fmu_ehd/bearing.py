@@ -35,14 +35,14 @@ from ..master.fmi.variables import Variable
 from .alone import KNOWN, Film
 from .common.grid import Array, Flags
 
-GROOVE = 2.0 * np.pi / 30.0
+GROOVE_ANGLE = 2.0 * np.pi / 30.0
 """Width of the groove around the shell [rad]."""
-LAND = 1.0 / 6.0
+LAND_SHARE = 1.0 / 6.0
 """Part of the length between the groove and each edge."""
-COARSEST = (30, 6)
+COARSEST_GRID = (30, 6)
 """Cells of the coarsest grid, which have a whole number of them in the groove."""
-LEVELS = 3
-SAFETY = 1.25
+GRID_LEVELS = 3
+SAFETY_FACTOR = 1.25
 """Factor of Eq. (E21)."""
 FLOODED, GROOVED = "flooded", "groove"
 SUPPLIES = {
@@ -61,7 +61,7 @@ LAWS: dict[str, dict[str, Any]] = {
 }
 """Parameters of the film with each supply. The first one is that of Raimondi and Boyd."""
 FIRST_ATTITUDE = np.radians(50.0)
-NEAR, MOST_TURNS = 1e-3, 20
+GROOVE_TOLERANCE, MOST_TURNS = 1e-3, 20
 """Angle between the thickest film and its groove [rad], and most positions of the load."""
 
 
@@ -277,7 +277,7 @@ def bearing(
     progress("computing on three grids; a first call also compiles for about a minute")
     levels: list[Any] = []
     attitude = FIRST_ATTITUDE
-    for level in reversed(range(LEVELS)):
+    for level in reversed(range(GRID_LEVELS)):
         around, along = (n // 2**level for n in grid)
         try:
             levels.insert(0, _solved(values, parameters, (around, along), supply, attitude))
@@ -305,7 +305,7 @@ def _uncertainty(levels: list[Any]) -> dict[str, Any]:
 
     def of(name: str) -> Any:
         last, before = (np.abs(one[name] - other[name]) for one, other in pairwise(levels))
-        return SAFETY * np.maximum(last, 0.25 * before)  # Eq. (E21)
+        return SAFETY_FACTOR * np.maximum(last, 0.25 * before)  # Eq. (E21)
 
     return {name: of(name) for name in levels[0]}
 
@@ -331,7 +331,7 @@ def _read(
         faults.append(f"supply: {unknown('supply', supply, SUPPLIES)}")
     elif supply == FLOODED and values.get("supply_pressure"):
         faults.append("supply_pressure: expected supply='groove' with it, got 'flooded'")
-    sizes = tuple(n * 2 ** (LEVELS - 1) for n in COARSEST)
+    sizes = tuple(n * 2 ** (GRID_LEVELS - 1) for n in COARSEST_GRID)
     if len(grid) != 2 or any(not n or n % size for n, size in zip(grid, sizes)):
         faults.append(f"grid: expected multiples of {sizes[0]} and {sizes[1]} cells, got {grid}")
     for name in sorted(OWN & set(film)):
@@ -404,8 +404,8 @@ def _groove(grid: tuple[int, int]) -> Flags:
     """Return the cells of a groove, which begins at the first one around."""
     around, along = grid
     cells = np.zeros(grid, dtype=bool)
-    land = round(LAND * along)
-    cells[: round(GROOVE / (2.0 * np.pi) * around), land : along - land] = True
+    land = round(LAND_SHARE * along)
+    cells[: round(GROOVE_ANGLE / (2.0 * np.pi) * around), land : along - land] = True
     return cells
 
 
@@ -434,7 +434,7 @@ def _balance(
     """
     surface_speed = x["speed"] * x["radius"]
     if supply == GROOVED:
-        towards = 0.5 * GROOVE - np.pi / film.grid[0] - x["groove_angle"]
+        towards = 0.5 * GROOVE_ANGLE - np.pi / film.grid[0] - x["groove_angle"]
     else:
         towards = np.pi - attitude
     for _ in range(MOST_TURNS):
@@ -442,7 +442,7 @@ def _balance(
         outputs = film.equilibrium(load, x["clearance"], circumferential_velocity=surface_speed)
         right, up = outputs["position"]
         angle = float(np.arctan2(-up, -right))  # of the thickest film
-        if supply == GROOVED or abs(angle) < NEAR:
+        if supply == GROOVED or abs(angle) < GROOVE_TOLERANCE:
             return towards, outputs
         towards -= angle
     raise Discard(f"the thickest film does not settle: {np.degrees(angle):.2g} deg from its groove")

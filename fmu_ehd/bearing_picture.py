@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-GAP = 0.35
+DRAWN_CLEARANCE = 0.35
 """Drawn clearance over the drawn radius of the shell, 1."""
-TALLEST = 0.7
+DRAWN_PRESSURE = 0.7
 """Drawn maximum pressure."""
 PRESSURE, FILM, BODY = "#b5442e", "#1b4f8a", "#d9d9d9"
 DEGREE = "\N{DEGREE SIGN}"
@@ -50,15 +50,15 @@ def _points(angle: Any, radius: Any) -> tuple[Any, Any]:
 def _draw_section(panel: Axes, bearing: Any, angle: Any, pressure: Any) -> None:
     """Draw shell and journal with the clearance enlarged, the pressure, the load and the speed."""
     around = np.append(angle, angle[0] + 2.0 * np.pi)
-    height = TALLEST * np.maximum(pressure, 0.0) / pressure.max()
+    height = DRAWN_PRESSURE * np.maximum(pressure, 0.0) / pressure.max()
     outside = _points(around, 1.0 + np.append(height, height[0]))
     shell = _points(around, np.ones(around.size))
     panel.fill(*outside, color=PRESSURE, alpha=0.3, linewidth=0.0)
     panel.plot(*outside, color=PRESSURE, linewidth=1.0)
     panel.fill(*shell, color="white")
     panel.plot(*shell, color="black", linewidth=1.5)
-    x, y = GAP * bearing.film["position"]
-    journal = _points(around, (1.0 - GAP) * np.ones(around.size))
+    x, y = DRAWN_CLEARANCE * bearing.film["position"]
+    journal = _points(around, (1.0 - DRAWN_CLEARANCE) * np.ones(around.size))
     panel.fill(x + journal[0], y + journal[1], color=BODY)
     panel.plot(x + journal[0], y + journal[1], color="black", linewidth=1.0)
     panel.plot([0.0, x], [0.0, y], "o-", color=FILM, markersize=4.0)
@@ -69,7 +69,7 @@ def _draw_section(panel: Axes, bearing: Any, angle: Any, pressure: Any) -> None:
     start, end = (_points(a, 0.4) for a in (2.2, 3.3))
     panel.annotate("", (x + end[0], y + end[1]), (x + start[0], y + start[1]), arrowprops=turn)
     panel.set_aspect("equal")
-    panel.set_xlim(-1.05 - TALLEST, 1.05 + TALLEST)
+    panel.set_xlim(-1.05 - DRAWN_PRESSURE, 1.05 + DRAWN_PRESSURE)
     panel.set_ylim(outside[1].min() - 0.05, max(outside[1].max(), 1.0) + 0.05)
     panel.set_axis_off()
     panel.set_title("section, clearance enlarged", fontsize="medium")

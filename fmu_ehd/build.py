@@ -20,7 +20,7 @@ from .options import BuildOptions
 from .parameters import CHOICES, has_image
 from .variables import CONDITION_VARIABLES, OIL_VARIABLES, variables
 
-SMALLEST, LARGEST = 4, 1000  # cells along one side
+FEWEST_CELLS, MOST_CELLS = 4, 1000  # cells along one side
 POSSIBLE_INPUTS = [v.name for v in CONDITION_VARIABLES] + ["oil_temperature"]
 
 
@@ -48,8 +48,10 @@ class CaseOptions(BaseModel):
     @field_validator("grid")
     @classmethod
     def _size(cls, grid):
-        if not all(SMALLEST <= n <= LARGEST for n in grid):
-            raise ValueError(f"expected {SMALLEST} to {LARGEST} cells each, got {list(grid)}")
+        if not all(FEWEST_CELLS <= n <= MOST_CELLS for n in grid):
+            raise ValueError(
+                f"expected {FEWEST_CELLS} to {MOST_CELLS} cells each, got {list(grid)}"
+            )
         return grid
 
     @field_validator("inputs")
@@ -62,12 +64,12 @@ class CaseOptions(BaseModel):
 
 
 def options_schema() -> dict[str, Any]:
-    """JSON schema of the build options."""
+    """Return the JSON schema of the build options."""
     return CaseOptions.model_json_schema()
 
 
 def declared_variables(options: Mapping[str, Any] | None, folder: Path) -> list[Variable]:
-    """Variables of the FMU that these build options make, or that none make; nothing is built.
+    """Return the variables of the FMU of these build options, or without options; nothing is built.
 
     Raises
     ------
@@ -172,7 +174,7 @@ def library_oil(name: str | None, faults: list[str]) -> dict[str, float | str]:
 
 
 def _library() -> dict[str, Any]:
-    """Tables of the shipped oils by name."""
+    """Return the tables of the shipped oils by name."""
     return tomllib.loads((MODELS / "oils.toml").read_text())
 
 
@@ -215,7 +217,7 @@ def oil_values(name: str, entry: Mapping[str, Any], faults: list[str]) -> dict[s
     Parameters
     ----------
     name : str
-        Of the oil.
+        Name of the oil.
     entry : mapping
         Its table in the library.
     faults : list of str
@@ -248,8 +250,8 @@ def oil_values(name: str, entry: Mapping[str, Any], faults: list[str]) -> dict[s
             else:
                 faults.append(f"oil {name}: {unknown('parameter', key, known)}")
         except (ValueError, IndexError, TypeError) as error:
-            told = str(error) if "expected" in str(error) else f"expected pairs, got {value!r}"
-            faults.append(f"oil {name}.{key}: {told}")
+            message = str(error) if "expected" in str(error) else f"expected pairs, got {value!r}"
+            faults.append(f"oil {name}.{key}: {message}")
     for key, value in values.items():
         if fault := known[key].fault(value):
             faults.append(f"oil {name}.{fault}")
@@ -257,7 +259,7 @@ def oil_values(name: str, entry: Mapping[str, Any], faults: list[str]) -> dict[s
 
 
 def _mask(chosen: CaseOptions, folder: Path, faults: list[str]) -> list[list[int]] | None:
-    """Rows of the mask, None without one."""
+    """Return the rows of the mask, None without a mask."""
     if chosen.mask is None or chosen.mask == "none":
         return None
     shown = f"mask: {chosen.mask}" if isinstance(chosen.mask, str) else "mask"
@@ -277,8 +279,8 @@ def _mask(chosen: CaseOptions, folder: Path, faults: list[str]) -> list[list[int
         return None
     if mask.shape != chosen.grid:
         shape = " x ".join(map(str, mask.shape))
-        wanted = " x ".join(map(str, chosen.grid))
-        faults.append(f"{shown}: expected the grid's {wanted} cells, got {shape}")
+        expected = " x ".join(map(str, chosen.grid))
+        faults.append(f"{shown}: expected the grid's {expected} cells, got {shape}")
     elif not np.isin(mask, (0.0, 1.0)).all():
         faults.append(f"{shown}: expected 1 for film and 0 for cut-out, got other values")
     elif not mask.any():

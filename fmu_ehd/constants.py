@@ -70,7 +70,7 @@ class Tables(NamedTuple):
 
 
 def tables_of(open_cells: Flags, bearing: bool, mirrored: bool = False) -> Tables:
-    """Return the tables of a film with room for those that `fill` sets.
+    """Return the tables of a film. `fill` sets the empty ones.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def fill(x: Any, chosen: Any, tables: Tables) -> None:
 
 @compiled
 def _even_part(rows: Array, n_c: int, fields: Array):
-    """Even part of fields of a film, (m, n_f, n_a), Eq. (I14), on its grid of n_c rows."""
+    """Return the even part of fields of a film, (m, n_f, n_a), Eq. (I14), on n_c rows."""
     m, n_f, n_a = fields.shape
     even = np.zeros((m, n_c, n_a))
     for q in range(m):
@@ -185,7 +185,7 @@ def check_even(tables: Tables, field: Array, fault: float, faults: Array) -> Non
 
 @compiled
 def _unfolded(rows: Array, fields: Array, is_shared: bool):
-    """Fields on a mirrored grid, (m, n_c, n_a), on the whole film."""
+    """Return the fields on a mirrored grid, (m, n_c, n_a), on the whole film."""
     m, n_c, n_a = fields.shape
     n_f = len(rows)
     whole = np.empty((m, n_f, n_a))

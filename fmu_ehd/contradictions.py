@@ -1,10 +1,11 @@
-"""What does not go together among parameters that are each in range, and what supplies a film.
+"""Contradictions between parameters that are each in range, and the oil supply of a film.
 
-An edge below cavitation pressure holds no liquid. One that is only partly filled is a cavity at
-cavitation pressure: the model knows no gas at another pressure inside the film, and a higher one
-would press oil in as if the edge were flooded. With oil from the bore an edge is at cavitation
-pressure, and its film fraction follows from the layer. Oil on the bore is known for a skirt that
-slides along its bore alone. A sector has its supply at both ends, and no openings between.
+An edge below the cavitation pressure contains no liquid. An edge that is only partly filled must be
+at the cavitation pressure, because the model has no gas at another pressure inside the film. A
+higher pressure would press oil in as if the edge were flooded. If the oil comes from the bore, an
+edge is at the cavitation pressure, and its film fraction follows from the layer. The layer on the
+bore exists only for a skirt that slides along its bore. A sector has its supply at both ends, and
+no openings between them.
 """
 
 from typing import Any, NamedTuple
@@ -74,7 +75,7 @@ def outside_of(x: Any, chosen: Any) -> AmbientPressures:
 def edges_of(
     x: Any, chosen: Any, outside: AmbientPressures, law: PressureLaw, shape: tuple[int, int]
 ) -> Edges:
-    """Edges of a grid where oil is in plenty; both ends of a sector are openings."""
+    """Return the edges of a grid with unlimited oil; both ends of a sector are openings."""
     below = x.film_fraction_lower_edge
     own = chosen.opening_supply == OWN_SUPPLY
     pressure = np.full(5, outside.opening)

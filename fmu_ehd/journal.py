@@ -52,11 +52,11 @@ from .common.grid import Array
 from .state import Memory
 
 MOST_POSITIONS = 60
-START = 0.5  # of the clearance, along the load
-NEARER = 0.3  # of the thinnest film, by which an iteration may lower it
-FARTHEST = 0.3  # of the clearance, largest displacement of an iteration
+START_ECCENTRICITY = 0.5  # of the clearance, along the load
+LARGEST_APPROACH = 0.3  # of the thinnest film, by which an iteration may lower it
+LARGEST_MOVE = 0.3  # of the clearance, largest displacement of an iteration
 NOT_CARRIED = "no position of the journal carries the load"
-DAMPING = 4.0  # largest damping of the shells over their stiffness, Eq. (E17)
+LARGEST_DAMPING = 4.0  # largest damping of the shells over their stiffness, Eq. (E17)
 OTHER_STARTS = (
     (0.3, 0.25),
     (0.3, -0.25),
@@ -291,7 +291,11 @@ class Search(NamedTuple):
         NotConverged
             If no position carries the load; that of the first search.
         """
-        starts = ((START, 0.0), *OTHER_STARTS) if np.any(self.shapes.load) else ((START, 0.0),)
+        starts = (
+            ((START_ECCENTRICITY, 0.0), *OTHER_STARTS)
+            if np.any(self.shapes.load)
+            else ((START_ECCENTRICITY, 0.0),)
+        )
         troubles: list[NotConverged] = []
         for eccentricity, angle in starts:
             try:
@@ -321,7 +325,7 @@ class Search(NamedTuple):
                 return at
             unbalanced = float(np.linalg.norm(at.missing[elastic]))
             most = max(most, unbalanced)
-            damping = DAMPING * unbalanced / most * shapes.stiffness
+            damping = LARGEST_DAMPING * unbalanced / most * shapes.stiffness
             damped = at.film.by_shape - np.diag(damping)
             change = np.linalg.solve(damped, -at.missing)  # Eq. (E17)
             part = self._part(at, change)
@@ -332,7 +336,7 @@ class Search(NamedTuple):
         )
 
     def _at(self, coordinates: Array, state: Memory) -> Balance:
-        """Return the film of given coordinates, and the forces out of balance."""
+        """Return the film and the forces out of balance at coordinates of journal and shells."""
         shapes = self.shapes
         thickness = self.clearance + shapes.thickness(coordinates, self.clearance.shape)
         film = self.settled(thickness, state)
@@ -360,8 +364,8 @@ class Search(NamedTuple):
 def _part(thickness: Array, opened: Array, clearance: float, roughness_rms: float) -> float:
     """Return the part of a change of the film thickness that an iteration may take, 0 to 1."""
     least = float(thickness.min())
-    lowest = least - NEARER * max(least, roughness_rms)
+    lowest = least - LARGEST_APPROACH * max(least, roughness_rms)
     tiny = np.finfo(float).tiny
-    far = FARTHEST * clearance / max(float(np.abs(opened).max()), tiny)
+    far = LARGEST_MOVE * clearance / max(float(np.abs(opened).max()), tiny)
     shut = ((thickness - lowest) / np.maximum(-opened, tiny)).min()
     return min(1.0, far, float(shut))

@@ -101,7 +101,7 @@ class LubricationModel:
         circumferential_velocity: Array | None = None,
         **conditions: Any,
     ) -> tuple[Memory, dict[str, Any]]:
-        """One step from `state` to the given film and velocity, of second order in time, `storage`.
+        """Take one step from `state` to the given film and velocity, of second order in time.
 
         Parameters
         ----------

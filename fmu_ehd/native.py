@@ -39,7 +39,7 @@ INITIAL_FILM_FRACTION = NUMBERS.index("initial_film_fraction")
 FILM_SYMMETRY = CHOSEN.index("film_symmetry")
 COUNTS = np.array([len(CHOICES[name]) for name in CHOSEN], float)
 """Numbers of alternatives of each choice, which a saved state may exceed."""
-WIDEST = 192  # cells around: beyond, sparse solvers of scipy are faster
+MOST_CELLS_AROUND = 192  # cells around: beyond, sparse solvers of scipy are faster
 STROKES = 6  # lengths of the skirt for which there is room on the bore, both ways
 ROOM_ON_BORE = 1 + 2 * STROKES
 
@@ -173,14 +173,17 @@ def setup_row(slave: Any) -> Array:
 
 
 def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
-    """Sentences on build options, checked or as given, that the library does not cover."""
+    """Yield a sentence for each build option, checked or not, that the library does not cover."""
     match options.get("grid"):
-        case [int(n_c), int(n_a)] if n_c > WIDEST:
-            yield f"grid: expected at most {WIDEST} cells around in a native FMU, got {n_c} x {n_a}"
+        case [int(n_c), int(n_a)] if n_c > MOST_CELLS_AROUND:
+            yield (
+                f"grid: expected at most {MOST_CELLS_AROUND} cells around in a native FMU, "
+                f"got {n_c} x {n_a}"
+            )
 
 
 def uncovered_values(values: Mapping[str, Any]) -> Iterable[str]:
-    """Sentences on parameters that the library has no room for."""
+    """Yield a sentence for each parameter that the library does not cover."""
     room = STROKES * values["skirt_length"]
     if values["oil_supply"] != FROM_EDGES and values["stroke"] > room:
         yield (
@@ -223,7 +226,7 @@ def _input(real, tables, place, has_openings, fault, faults):
 
 @compiled
 def inputs_of(real: Array, setup: FilmSetup, has_openings: bool, length: float, faults: Array):
-    """`state.Inputs` for a step of a length [s]; note where they are not symmetric."""
+    """Return the `state.Inputs` for a step of a length [s]; note where they are not symmetric."""
     places, tables = setup.places.inputs, tables_in(setup)
     x = numbers_from(setup.numbers)
     turning = np.zeros(tables.open_cells.shape)
@@ -310,7 +313,7 @@ def publish(fields, scalars, iterations, real, integer, places, tables):
 
 @compiled
 def start(real: Array, integer: Array, memory: Array, numbers: Array):
-    """State and outputs at the start; `numbers` unused."""
+    """Compute state and outputs at the start; `numbers` is unused."""
     _start(real, integer, memory)
     _show_rows(memory)
 
@@ -392,7 +395,7 @@ def _advance(real, integer, memory, numbers):
 
 @compiled
 def tangent(real: Array, integer: Array, memory: Array, numbers: Array):
-    """Products of the seeds among the variables; `numbers` unused."""
+    """Write the products of the seeds among the variables; `numbers` is unused."""
     parts = parts_of(memory)
     faults = parts.faults
     faults[0] = 0.0

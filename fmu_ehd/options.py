@@ -1,4 +1,4 @@
-"""What was fixed when a lubrication FMU was built, as its slave reads it from build.json."""
+"""Build options of a lubrication FMU, which its model class reads from build.json."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -35,13 +35,13 @@ class BuildOptions:
 
     @classmethod
     def read(cls, options: Mapping[str, Any]) -> "BuildOptions":
-        """Options from the content of build.json."""
+        """Return the options from the content of build.json."""
         n_circumferential, n_axial = options["grid"]
         lists = dict(grid=(n_circumferential, n_axial), inputs=tuple(options["inputs"]))
         return cls(**{**options, **lists})
 
     def written(self) -> dict[str, Any]:
-        """Content of build.json."""
+        """Return the content of build.json."""
         return asdict(self) | dict(grid=list(self.grid), inputs=list(self.inputs))
 
     @property

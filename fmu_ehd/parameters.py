@@ -1,4 +1,4 @@
-"""What is fixed for a run."""
+"""Parameters of a film, which are constant during a run."""
 
 from collections import namedtuple
 from collections.abc import Mapping
@@ -34,7 +34,8 @@ class Parameters:
 
     Each number is declared here, once: unit, default, range and meaning.
 
-    Pressures are gauge, on one datum, edges not below cavitation, `edge_faults`.
+    Pressures are gauge pressures with one reference. Edges are not below cavitation pressure, see
+    `contradictions`.
 
     Parameters
     ----------

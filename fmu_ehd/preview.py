@@ -15,29 +15,29 @@ from .parameters import faults, parameters_of
 
 
 def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: Path) -> Preview:
-    """Look at build options and parameters.
+    """Return derived figures and faults of build options and parameters.
 
     Parameters
     ----------
     options : mapping
         From the case file.
     parameters : mapping
-        What the case gives, by name, in SI, laws by their names, None where it cannot be taken; the
-        rest has its defaults. With a None nothing is said of how parameters fit one another.
+        Parameters of the case by name: numbers in SI, laws by their names, None if a value is
+        invalid. The others have their defaults. If one is None, no contradictions are checked.
     folder : Path
-        Of the case.
+        Folder of the case.
 
     Returns
     -------
     Preview
-        Size of a cell, roughness, viscosity as given; faults between parameters.
+        Size of a cell, roughness, viscosity, and contradictions between parameters.
     """
     try:
         built = BuildOptions.read(prepare(options, folder, lambda line: None)[0])
     except BadInput as error:
         return Preview(faults=error.faults)
-    taken = {name: value for name, value in parameters.items() if value is not None}
-    numbers = {**built.oil, **taken}
+    valid = {name: value for name, value in parameters.items() if value is not None}
+    numbers = {**built.oil, **valid}
     film = parameters_of(
         numbers, shape=built.grid, open_cells=built.open_cells, surface=built.surface
     )
@@ -57,7 +57,7 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
         remarks.append("roughness_rms = 0 \N{MICRO SIGN}m: smooth surfaces, which never touch")
     if "oil_temperature" in built.inputs and film.oil.viscosity_law == "constant":
         remarks.append("viscosity_law = 'constant': the oil temperature has no effect")
-    contradictory = faults(film) if taken == parameters else []
+    contradictions = faults(film) if valid == parameters else []
     warnings = _without_effect(parameters, film.oil, options.get("oil"))
     warnings += [
         f"{one.name} = {short(one.value, one.unit)}: expected {short(low, one.unit)} to "
@@ -66,7 +66,7 @@ def preview(options: Mapping[str, Any], parameters: Mapping[str, Any], folder: P
         for low, high in [USUAL.get(one.name, (-inf, inf))]
         if not low <= one.value <= high
     ]
-    return Preview(figures, contradictory, warnings, remarks)
+    return Preview(figures, contradictions, warnings, remarks)
 
 
 USUAL = {"roughness_rms": (0.0, 10e-6), "viscosity": (0.5e-3, 2.0)}

@@ -50,7 +50,7 @@ class Ehd(FieldSlave):
 
     @staticmethod
     def variables(options: Mapping[str, Any]) -> list[Variable]:
-        """Variable table for the grid, the oil and the inputs of `options`, build.json."""
+        """Return the variables for grid, oil and inputs of `options`, the content of build.json."""
         built = BuildOptions.read(options)
         return variables(built.grid, built.inputs, built.oil, built.surface)
 
@@ -74,13 +74,13 @@ class Ehd(FieldSlave):
             )
         except NotConverged as trouble:
             raise BadInput(str(trouble)) from None
-        self._tell_of_remark()
+        self._log_remark()
         return state, outputs
 
     def advance(
         self, state: Memory, values: Mapping[str, Any], time: float, step: float
     ) -> tuple[Memory, dict[str, Any]]:
-        """One step; discarded where the film has no solution."""
+        """Take one step; discard it if the film has no solution."""
         try:
             state, outputs = self.model.advance(
                 state,
@@ -92,10 +92,10 @@ class Ehd(FieldSlave):
             )
         except NotConverged as trouble:
             raise Discard(f"lubrication step to t = {time + step:g} s: {trouble}") from None
-        self._tell_of_remark()
+        self._log_remark()
         return state, outputs
 
-    def _tell_of_remark(self):
+    def _log_remark(self):
         """Log the warning of the last start or step, each once."""
         text = self.model.remark
         if text and text not in self._remarked:

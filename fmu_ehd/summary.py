@@ -48,7 +48,7 @@ class Summary(NamedTuple):
 
 
 def halves(n_circumferential: int) -> Halves:
-    """Halves of a ring of cells, one of which has its centre on the thrust line.
+    """Return the halves of a ring of cells, one of which has its centre on the thrust line.
 
     Eq. (F4):  theta_i = pi/2 + (i - floor(n/4)) 2 pi/n,   i = 0 .. n - 1, from the pin axis
     """
@@ -70,7 +70,7 @@ def summarise(
     halves: Halves,
     cells: Cells,
 ):
-    """Extremes and sums of a film.
+    """Return the extremes and sums of a film.
 
     Parameters
     ----------

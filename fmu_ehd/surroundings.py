@@ -1,4 +1,4 @@
-"""What holds around and in the oil during a step: edges, temperature, viscosity."""
+"""Conditions of a step around and in the oil: edges, temperature, viscosity."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple

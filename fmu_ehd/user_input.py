@@ -1,4 +1,4 @@
-"""What a user passes to a film in Python: quantities with units, numbers in SI, arrays."""
+"""Values that a user passes to a film in Python: quantities with units, numbers in SI, arrays."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -54,8 +54,8 @@ def _in_si(value: Any, variable: Variable) -> Any:
         numbers = [_number(one, variable.unit) for one in array.ravel()]
         array = np.array(numbers).reshape(array.shape)
     if array.shape not in ((), variable.shape):
-        wanted = f"shape {variable.shape}" if variable.shape else "one number"
-        raise ValueError(f"expected {wanted}, got {array.shape}")
+        expected = f"shape {variable.shape}" if variable.shape else "one number"
+        raise ValueError(f"expected {expected}, got {array.shape}")
     if not np.isfinite(array).all():
         raise ValueError("expected finite values, got others")
     if not variable.shape:

@@ -1,7 +1,6 @@
 """The variables of the lubrication FMU, each declared once.
 
-On a bearing skirt and bore are journal and shell; the grid, and with it the film thickness, rests
-on the shell.
+In a bearing, skirt and bore are journal and shell. The grid of the film is fixed to the shell.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -40,7 +39,7 @@ def variables(
     starts: Mapping[str, float | str] | None = None,
     surface: str = "skirt",
 ) -> list[Variable]:
-    """Variable table of the FMU for a grid.
+    """Return the variable table of the FMU for a grid.
 
     Parameters
     ----------
@@ -88,7 +87,7 @@ def variables(
 
 
 def film_variables(surface: str) -> list[Variable]:
-    """Rows of the parameters of a film that are no conditions, for one of `parameters.SURFACES`."""
+    """Return the parameters of a film that are no conditions, for one of `parameters.SURFACES`."""
     return [v for v in FILM_VARIABLES if is_of(surface, v.name)]
 
 

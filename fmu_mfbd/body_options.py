@@ -366,8 +366,8 @@ class Body(PlacedMesh, MaterialOptions):
             )
         lowest = ("craig_bampton", "characteristic_constraint_modes")
         if self.modes_from is not None and self.basis not in lowest:
-            wanted = " or ".join(map(repr, lowest))
-            faults.append(f"modes_from: expected basis = {wanted}, got {self.basis!r}")
+            expected = " or ".join(map(repr, lowest))
+            faults.append(f"modes_from: expected basis = {expected}, got {self.basis!r}")
         elif self.modes_from is not None and self.modes_from < self.modes:
             got = self.modes_from
             faults.append(f"modes_from: expected at least modes = {self.modes}, got {got}")

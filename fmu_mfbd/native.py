@@ -91,7 +91,7 @@ INTEGERS = ("gas_source", "crank_free", "film_symmetry")
 CHOSEN_GAS, FREE, SYMMETRY = map(Settings._fields.index, INTEGERS)
 """Their numbers."""
 NEEDS = Parameters(top_ring_height=1.0, bore_growth_lower=1.0, film_symmetry="automatic")
-"""Parameters for which a memory has room: gas on the wall, a bore that grows, and half films."""
+"""Parameters with the largest memory: gas on the wall, a bore that grows, and half films."""
 
 
 def uncovered(options: Mapping[str, Any]) -> Iterable[str]:
@@ -262,7 +262,7 @@ def setup_row(slave: Any) -> np.ndarray:
 
 
 def _places(slave) -> VariablePlaces:
-    """Return where everything lies among a slave's variables."""
+    """Return the positions of all variables of an FMU instance."""
 
     def each(names, kind=""):
         return positions_of(slave, names, kind)

@@ -28,7 +28,7 @@ class WallPlaces(NamedTuple):
 
 
 def wall_places(slave: Any) -> WallPlaces:
-    """Return the positions of temperature fields among a slave's variables."""
+    """Return the positions of temperature fields among the variables of an FMU instance."""
     walls = slave.built.temperatures
     around, _ = slave.built.grid
     films = slave.built.film_grids()

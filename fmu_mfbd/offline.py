@@ -47,17 +47,17 @@ class BodyReport:
     files : list of Path
         Written.
     nodes, elements, degrees_of_freedom : int
-        Of the full model.
+        Numbers of the full model.
     mass : float
         [kg]
     centre : ndarray, shape (3,)
-        Of mass, from the body's origin [m].
+        Centre of mass, from the body's origin [m].
     inertia : ndarray, shape (3, 3)
         About it [kg m2].
     seconds : float
         The reduction took [s].
     peak_memory : int
-        Of the whole process [bytes].
+        Peak memory of the whole process [bytes].
     modes : list of ModeRow
     errors : str
         Missing share of the deflection under smooth and narrow pressures, as a sentence without a
@@ -248,7 +248,7 @@ def reduce(
     options : dict
         As in a case's `[participants.X.build]`, units as text; piston or block may be left out.
     folder : Path
-        Where its paths start.
+        Folder in which relative paths start.
     output : Path
     progress : callable
         Takes a sentence now and then.
@@ -276,7 +276,7 @@ def recover(
     options, folder, progress
         As for `reduce`.
     modal_coordinate : ndarray, shape (k,)
-        Of piston, then block [kg^1/2 m], as the FMU's output of that name.
+        Modal coordinates of piston, then block [kg^1/2 m], as the FMU's output of that name.
     path : Path
         The files' names begin with it.
 

@@ -1,4 +1,4 @@
-"""What a case file may say about the bodies: the `[participants.X.build]` table."""
+"""Options of a case file for the bodies: the table `[participants.X.build]`."""
 
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
@@ -32,7 +32,7 @@ from .body_options import (
 )
 from .force_elements import SLIDES
 from .geometry.pin import CRANK_SURFACES, PIN_SURFACES
-from .geometry.pin_shapes import MOST
+from .geometry.pin_shapes import MOST_SHAPES
 from .temperature_options import Temperatures
 
 
@@ -221,7 +221,7 @@ class FloatingPin(Options):
     """Number of piston modes for the deflection of the bosses under their films. 0: rigid bosses.
     `piston.modes` includes them if it is a number. If it is an error, they are added.
     """
-    pin_shapes: Annotated[int, Field(ge=0, le=MOST)] = 0
+    pin_shapes: Annotated[int, Field(ge=0, le=MOST_SHAPES)] = 0
     """Number of shapes in which the pin moves in its shells, in addition to translation. 0: it
     stays parallel to them. 1: it tilts. Each further shape bends the pin.
     """
@@ -502,7 +502,7 @@ def read_options(options: dict[str, Any], folder: Path | str, kind: type[Chosen]
     options : dict
         As in the case file, units as text.
     folder : Path
-        Where paths start.
+        Folder in which relative paths start.
     kind : type of BuildTable
 
     Returns

@@ -26,8 +26,8 @@ from .dynamics.parameters import (
     ELEMENT_PARAMETERS,
     AxisParameters,
     Parameters,
+    parameters_from,
     settings_of,
-    taken,
 )
 from .dynamics.pin_axis import pin_beam, pin_span
 from .dynamics.thermal_growth import Radii
@@ -65,7 +65,7 @@ from .reduction.ties import pin_layer, tie_of
 from .thrust_symmetry import claims
 
 Look = TypeVar("Look")
-HEIGHTS = 7
+PISTON_POSITIONS = 7
 """Places of the piston along its stroke at which the clearance is looked at."""
 CENTRE_FROM_PIN = "from the pin's axis to the centre of mass: compare, rocking depends on it"
 
@@ -85,10 +85,10 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
     options : dict
         The case file's `[participants.X.build]` table.
     parameters : dict
-        What the case gives, by name, in SI, None where it cannot be taken; the rest has its
-        defaults. With a None nothing is said of how parameters fit one another.
+        Parameters of the case by name, in SI, None if a value is invalid. The others have their
+        defaults. If one is None, no contradictions are checked.
     folder : Path
-        Of the case.
+        Folder of the case.
 
     Returns
     -------
@@ -101,9 +101,9 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         tables = read_tables(build)
     except BadInput as error:
         return Preview(faults=error.faults)
-    given = {name: value for name, value in parameters.items() if value is not None}
-    chosen = taken(Parameters, given)
-    elements = tuple(taken(kind, given) for kind in ELEMENT_PARAMETERS)
+    valid = {name: value for name, value in parameters.items() if value is not None}
+    chosen = parameters_from(Parameters, valid)
+    elements = tuple(parameters_from(kind, valid) for kind in ELEMENT_PARAMETERS)
     wrong: list[str] = []
     warnings: list[str] = []
     piston = _tried(_piston, build, wrong, warnings)
@@ -124,7 +124,7 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         return Preview(faults=[*wrong, *error.faults])
     piston = piston._replace(body=hot_piston(piston.body, hot.get("piston")))
     cold, prepared = options_ahead(build, tables), options_ahead(build, tables, hot)
-    axis = _axis(prepared, given, build)
+    axis = _axis(prepared, valid, build)
     eye = _tried(_eye, build, wrong, warnings)
     if None not in parameters.values():
         radii = {"small_end": eye.radius} if eye else {}
@@ -133,23 +133,23 @@ def preview(options: dict[str, Any], parameters: dict[str, Any], folder: Path) -
         wrong += faults(rigid, prepared, chosen, own, radii)
     figures = [
         *_of_piston(build, piston),
-        *_of_films(prepared, piston, chosen, given),
+        *_of_films(prepared, piston, chosen, valid),
         *(_of_axis(prepared, piston, chosen, axis) if axis and not wrong else ()),
         *(eye.figures if eye else ()),
         *_of_block(build, block),
         *(figure for name, shape in hot.items() for figure in _of_heat(name, shape)),
-        *_of_mechanism(build, block, chosen, given.get("crank_speed")),
+        *_of_mechanism(build, block, chosen, valid.get("crank_speed")),
     ]
     messages: list[Message] = []
     if tables.gas:
         figures.append(Figure("gas", "highest_gas_pressure", tables.gas.pressure.max(), "Pa"))
         messages += messages_on_gas(tables.gas)
-    shapes = _shapes(prepared, cold, piston, block, chosen, given)
+    shapes = _shapes(prepared, cold, piston, block, chosen, valid)
     figures += _of_film(build, shapes)
     if walls := shapes.walls:
         ends = piston.body.skirt_lower, piston.body.skirt_upper
         figures += figures_of_walls(walls, shapes.pin_height, ends, shapes.bore_height)
-        messages += messages_on_walls(prepared, chosen, given, walls)
+        messages += messages_on_walls(prepared, chosen, valid, walls)
     messages += messages_on_shapes(build, shapes.walls is not None)
     messages += messages_on_profiles(build, tables, piston, block)
     messages += messages_on_fit(build, piston, block, chosen, shapes)
@@ -314,7 +314,7 @@ def _axis(prepared: BuildOptions, given: dict[str, Any], build: Build) -> AxisPa
     pin = prepared.floating_pin
     if pin is None or not pin.pin_shapes or (build.floating_pin and build.floating_pin.boss_modes):
         return None
-    return taken(AxisParameters, given)
+    return parameters_from(AxisParameters, given)
 
 
 def _of_axis(
@@ -432,7 +432,7 @@ def _shapes(
         bore_height=heights,
         bore_cold=bore_shape(heights, angle, without_heat.block, cold) + straight,
         bore_hot=bore_shape(heights, angle, prepared.block, chosen) + straight + bore_growth,
-        pin_height=np.linspace(*stroke_of(prepared.piston.pin_offset, chosen), HEIGHTS),
+        pin_height=np.linspace(*stroke_of(prepared.piston.pin_offset, chosen), PISTON_POSITIONS),
         walls=walls,
     )
 

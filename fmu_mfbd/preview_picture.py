@@ -15,7 +15,7 @@ UM = 1e6
 MM = 1e3
 CELSIUS = 1.0, "\N{DEGREE SIGN}C"
 """Factor and unit of a temperature in a picture."""
-BELOW = (0.5, -0.2)
+LEGEND_POSITION = (0.5, -0.2)
 """Position of a legend below its panel, where it covers no curve."""
 SIDES = {"thrust": 90.0, "anti-thrust": 270.0, "pin": 0.0}
 COLOURS = {"thrust": "#0072b2", "anti-thrust": "#d55e00", "pin": "#009e73"}
@@ -178,7 +178,9 @@ def _around(panel, shapes):
     panel.set(title=_section("around", hot, cold), ylabel="clearance [\N{MICRO SIGN}m]")
     mark_angles(panel)
     panel.grid(alpha=0.3)
-    panel.legend(fontsize="small", frameon=False, ncols=3, loc="upper center", bbox_to_anchor=BELOW)
+    panel.legend(
+        fontsize="small", frameon=False, ncols=3, loc="upper center", bbox_to_anchor=LEGEND_POSITION
+    )
 
 
 def _section(way, hot, cold):
@@ -205,4 +207,6 @@ def _along(panel, shapes):
         ylabel="height above the pin [mm]",
     )
     panel.grid(alpha=0.3)
-    panel.legend(fontsize="small", frameon=False, ncols=3, loc="upper center", bbox_to_anchor=BELOW)
+    panel.legend(
+        fontsize="small", frameon=False, ncols=3, loc="upper center", bbox_to_anchor=LEGEND_POSITION
+    )

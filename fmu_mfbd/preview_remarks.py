@@ -13,18 +13,18 @@ from .finite_elements.mesh import Mesh
 from .input_tables import Tables
 from .options import Build
 from .preview_picture import Shapes
-from .profile_judgement import DROP, OVAL, judge_profile
+from .profile_judgement import UNUSUAL_DROP, UNUSUAL_OVALITY, judge_profile
 
-MISFIT = 0.3e-3
+CLEARANCE_DIFFERENCE = 0.3e-3
 """Difference of skirt and bore radius from the clearance [m] above which it is worth a remark: a
 mesh is drawn at the nominal diameter or a few tenths below."""
-DRAWN = 20e-6
+RADIUS_TOLERANCE = 20e-6
 """Tolerance of a bore radius below that of the skirt [m], for meshes of one nominal diameter."""
 LEAST_GAS, HIGH_GAS = 0.05e6, 30e6
 """Highest gas pressures [Pa] below and above those of engines."""
-MOTORED = 0.7e6
+HIGHEST_MOTORED_PRESSURE = 0.7e6
 """Highest gas pressure without combustion, unthrottled, at a compression ratio of 5 [Pa]."""
-ABSOLUTE = 0.7e5, 1.5e5
+ABSOLUTE_PRESSURES = 0.7e5, 1.5e5
 """Mean gas pressure of the exhaust stroke in absolute pressure [Pa]."""
 LEAST_EXHAUST = -0.3e5
 """Mean gauge pressure in the exhaust below that of engines, our own choice [Pa]."""
@@ -34,13 +34,13 @@ EXHAUST = {720: (225.0, 345.0), 360: (150.0, 210.0)}
 WIDEST_ROWS = 30.0
 """Crank angle between rows of a gas table above which a straight line is no gas, our choice [deg].
 """
-FIRING = 60.0
+FIRING_RANGE = 60.0
 """Crank angle next to firing top dead centre that contains the highest gas pressure [deg]."""
-ELASTIC = 1e-3
+ELASTIC_INTERFERENCE = 1e-3
 """Interference over bore radius that a flexible skirt can yield, our own choice."""
 COLD = ("skirt_growth_lower", "skirt_growth_upper", "bore_growth_lower", "bore_growth_upper")
 """Parameters that heat brings."""
-FEWEST = 3
+FEWEST_OPENING_CELLS = 3
 """Cells that an opening in the skirt should be wide, for its edge to lie within half of them."""
 
 
@@ -90,14 +90,14 @@ def messages_on_fit(
     """Return messages on clearance, heat and profile."""
     out: list[Message] = []
     fit = block.body.radius - piston.body.radius
-    if fit < -DRAWN:
+    if fit < -RADIUS_TOLERANCE:
         text = (
             f"block, piston: expected a bore radius of at least the skirt's, "
             f"{1e3 * piston.body.radius:.6g} mm, got {1e3 * block.body.radius:.6g} mm, "
             f"{_um(-fit)} less"
         )
         out.append(Message("fault", text))
-    elif abs(fit - chosen.radial_clearance) > MISFIT:
+    elif abs(fit - chosen.radial_clearance) > CLEARANCE_DIFFERENCE:
         text = (
             f"radial_clearance = {_um(chosen.radial_clearance)}, bore minus skirt radius is "
             f"{_um(fit)}: the film goes by radial_clearance"
@@ -122,7 +122,7 @@ def messages_on_fit(
             "are added to the measured profile; set them to 0 if it holds them"
         )
         out.append(Message("remark", text))
-    for name, share in (("barrel", DROP), ("ovality", OVAL)):
+    for name, share in (("barrel", UNUSUAL_DROP), ("ovality", UNUSUAL_OVALITY)):
         if (value := getattr(chosen, name)) > (most := share * 2 * piston.body.radius):
             text = f"{name} = {_um(value)}: expected at most {_um(most)} in engines; check its unit"
             out.append(Message("warning", text))
@@ -140,7 +140,7 @@ def _interference(shapes: Shapes, radius: float, flexible: bool) -> list[Message
     for state in ("cold", "hot"):
         least = narrowest(shapes, state == "hot")
         if least.gap <= 0.0:
-            yields = flexible and state == "hot" and -least.gap <= ELASTIC * radius
+            yields = flexible and state == "hot" and -least.gap <= ELASTIC_INTERFERENCE * radius
             text = (
                 f"radial_clearance: expected a skirt that fits into the bore, got one that is "
                 f"wider by {_um(-least.gap)} when {state}, at {least.angle:.4g} deg, "
@@ -157,20 +157,20 @@ def messages_on_gas(table: GasTable) -> list[Message]:
     """
     degrees = np.degrees(table.angle) % 720.0
     high = float(table.pressure.max())
-    told = f"highest gas pressure = {short(high, 'Pa')}"
+    subject = f"highest gas pressure = {short(high, 'Pa')}"
     if high < LEAST_GAS:
-        return [Message("warning", f"{told}: check pressure_unit")]
+        return [Message("warning", f"{subject}: check pressure_unit")]
     out: list[Message] = []
     if high > HIGH_GAS:
-        out.append(Message("warning", f"{told}: engines have less than 30 MPa"))
-    elif high < MOTORED:
-        text = f"{told}: expected above 0.7 MPa, which compression reaches; check pressure_unit"
+        out.append(Message("warning", f"{subject}: engines have less than 30 MPa"))
+    elif high < HIGHEST_MOTORED_PRESSURE:
+        text = f"{subject}: expected above 0.7 MPa, which compression reaches; check pressure_unit"
         out.append(Message("remark", text))
     cycle = 720 if table.cycle > 3.0 * np.pi else 360
     peak = float((degrees[table.pressure.argmax()] + cycle / 2) % cycle - cycle / 2)
-    if abs(peak) > FIRING:
+    if abs(peak) > FIRING_RANGE:
         out.append(
-            Message("warning", f"{told} at {peak:.4g} deg: expected near 0 deg, where it fires")
+            Message("warning", f"{subject} at {peak:.4g} deg: expected near 0 deg, where it fires")
         )
     gaps = np.degrees(np.diff(table.angle))
     if gaps.max() > WIDEST_ROWS:
@@ -181,13 +181,13 @@ def messages_on_gas(table: GasTable) -> list[Message]:
         out.append(Message("warning", text))
     angles = np.radians(np.arange(*EXHAUST[cycle]))
     mean = float(np.interp(angles, table.angle, table.pressure, period=table.cycle).mean())
-    if ABSOLUTE[0] < mean < ABSOLUTE[1]:
+    if ABSOLUTE_PRESSURES[0] < mean < ABSOLUTE_PRESSURES[1]:
         text = (
             f"mean gas pressure in the exhaust = {short(mean, 'Pa')}: the table seems absolute; "
             "expected gauge pressure, about 0 there; subtract about 1 bar from the second column"
         )
         out.append(Message("warning", text))
-    elif abs(peak) <= FIRING and not LEAST_EXHAUST < mean < ABSOLUTE[1]:
+    elif abs(peak) <= FIRING_RANGE and not LEAST_EXHAUST < mean < ABSOLUTE_PRESSURES[1]:
         text = (
             f"mean gas pressure in the exhaust = {short(mean, 'Pa')}: expected gauge pressure near "
             "0; check that the table is neither absolute nor reduced twice"
@@ -221,8 +221,8 @@ def _um(length: float) -> str:
 
 def _thin_openings(film: np.ndarray) -> list[str]:
     """Return a remark if the openings in the skirt are few cells wide."""
-    widest = max((run for line in film.T for run in runs(~line)), default=FEWEST)
-    if widest >= FEWEST:
+    widest = max((run for line in film.T for run in runs(~line)), default=FEWEST_OPENING_CELLS)
+    if widest >= FEWEST_OPENING_CELLS:
         return []
     return [
         f"openings in the skirt are {widest} cells wide: their edges lie within half a cell; a "

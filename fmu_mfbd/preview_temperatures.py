@@ -12,7 +12,7 @@ from .dynamics.clearance import warmth
 from .dynamics.parameters import REFERENCE, Parameters, settings_of
 from .dynamics.thermal_growth import Radii, free_radii, wall_growth
 from .geometry.profile import linear_growth
-from .variables import WALL_FIELDS, WALL_LEVELS, WARMEST
+from .variables import WALL_FIELDS, WALL_LEVELS, WALL_TEMPERATURES
 
 PARTS = {"skirt": "piston", "bore": "block"}
 """Wall -> body with it."""
@@ -62,7 +62,7 @@ def warm_walls(
     ends : (float, float)
         Lower and upper edge of the skirt [m].
     radii : Radii
-        Of both walls [m].
+        Radii of both walls [m].
     """
     walls = prepared.temperatures
     if walls is None and not {*WALL_LEVELS.values()} & given.keys():
@@ -130,7 +130,7 @@ def messages_on_walls(
     """Return messages on temperatures that contradict other values of the case."""
     out: list[Message] = []
     fields = {"skirt": walls.skirt, "bore": walls.bore}
-    low, high = WARMEST
+    low, high = WALL_TEMPERATURES
     for name, field in fields.items():
         twice = {WALL_LEVELS[name], f"{name}_temperature_rise"} & given.keys()
         for key in sorted(twice) if prepared.temperatures else ():
@@ -155,18 +155,18 @@ def _on_growth(
     expansion = chosen.piston_expansion if name == "skirt" else chosen.bore_expansion
     above = getattr(walls, name).mean(axis=0) - chosen.reference_temperature
     free = wall_growth(expansion, getattr(walls.free, name), above)
-    told = f"free growth by the temperatures of the {name}: {_um(free[0])} to {_um(free[-1])}"
+    growth = f"free growth by the temperatures of the {name}: {_um(free[0])} to {_um(free[-1])}"
     keys = f"{name}_growth_lower", f"{name}_growth_upper"
     lower, upper = (getattr(chosen, key) for key in keys)
     body = getattr(prepared, part)
     if body.is_hot:
         key = "hot shape" if body.hot else "shape = 'hot'"
-        return [Message("remark", f"{part}: {key} replaces the {told}")]
+        return [Message("remark", f"{part}: {key} replaces the {growth}")]
     if lower or upper:
         does = "replace the" if prepared.temperatures else "add to the"
         off = f"{_um(lower - free[0])} and {_um(upper - free[-1])}"
         text = (
-            f"{keys[0]} = {_um(lower)}, {keys[1]} = {_um(upper)}: {does} {told}; difference {off}"
+            f"{keys[0]} = {_um(lower)}, {keys[1]} = {_um(upper)}: {does} {growth}; difference {off}"
         )
         return [Message("warning", text)]
     return []

@@ -12,21 +12,21 @@ import numpy as np
 from ..master.fmi.preview import Message
 from .geometry.profile import MeasuredShape, table_shape
 
-COVERED, WHOLE = 0.5, 0.99
+LEAST_COVERAGE, COMPLETE_COVERAGE = 0.5, 0.99
 """Covered share of the length below which a table is rejected, and below which it is incomplete."""
-LARGE, LARGEST = 1e-3, 5e-3
+UNUSUAL_DEVIATION, LARGEST_DEVIATION = 1e-3, 5e-3
 """Deviations that are unusual, and that no skirt has [m]."""
-CLEAR = 2e-6
+SMALLEST_FORM = 2e-6
 """Barrel, ovality and range of values [m] below which they are no form of a skirt."""
 TURNED = np.radians(20.0)
 """Angle of the ovality from the pin axis, above which a table seems turned [rad]."""
-OVAL, DROP = 3.9e-3, 0.79e-3
+UNUSUAL_OVALITY, UNUSUAL_DROP = 3.9e-3, 0.79e-3
 """Ovality and drop of the ends over the diameter that are unusual: nearly twice those of `new`."""
-GRAIN = 5e-6
+LEAST_DUST = 5e-6
 """Smallest height of a grain of dust [m]."""
-OUTLIER = 8.0
+LEAST_DUST_OVER_NOISE = 8.0
 """Smallest height of a grain of dust over the standard deviation of the noise."""
-MOST = 0.01
+MOST_DUST = 0.01
 """Share of the values that can be dust; more of them are features of the surface."""
 FEWEST_HEIGHTS, FEWEST_ANGLES = 5, 12
 """Lines of a table from which it can be smoothed in this direction: with fewer angles, the fourth
@@ -72,7 +72,7 @@ class SmoothShape(NamedTuple):
     noise : float
         Root mean square of the removed differences without the grains [m].
     grains : list of Grain
-        Empty if more values than `MOST` differ, which then are features of the surface.
+        Empty if more values than `MOST_DUST` differ, which then are features of the surface.
     rough : int
         Number of those values.
     """
@@ -121,23 +121,23 @@ def judge_profile(
     low, high = float(shape.height[0]), float(shape.height[-1])
     share = covered_share(shape, lower, upper)
     span = f"{_mm(lower)} to {_mm(upper)} mm, got {_mm(low)} to {_mm(high)} mm"
-    if share < COVERED:
+    if share < LEAST_COVERAGE:
         text = f"expected heights over {span}; check height_unit and the origin of the heights"
         return [Message("fault", text)]
     largest = float(np.abs(shape.value).max())
-    if largest > LARGEST:
-        text = f"expected deviations below {_mm(LARGEST)} mm, got {_mm(largest)} mm"
+    if largest > LARGEST_DEVIATION:
+        text = f"expected deviations below {_mm(LARGEST_DEVIATION)} mm, got {_mm(largest)} mm"
         hint = "check value_unit, or subtract the nominal radius from radii"
         return [Message("fault", f"{text}; {hint}")]
     messages = []
-    if share < WHOLE:
+    if share < COMPLETE_COVERAGE:
         text = f"expected heights over {span}; the first and the last row continue to the ends"
         messages.append(Message("warning", text))
-    if largest > LARGE:
-        text = f"expected deviations below {_um(LARGE)}, got {_um(largest)}; check value_unit"
-        messages.append(Message("warning", text))
-    if radius is not None and 0 < (step := float(np.ptp(shape.value))) < CLEAR:
-        text = f"expected values that differ by more than {_um(CLEAR)}, got {_um(step)}"
+    if largest > UNUSUAL_DEVIATION:
+        text = f"expected deviations below {_um(UNUSUAL_DEVIATION)}, got {_um(largest)}"
+        messages.append(Message("warning", f"{text}; check value_unit"))
+    if radius is not None and 0 < (step := float(np.ptp(shape.value))) < SMALLEST_FORM:
+        text = f"expected values that differ by more than {_um(SMALLEST_FORM)}, got {_um(step)}"
         hint = "check value_unit, or subtract the nominal radius from radii"
         messages.append(Message("warning", f"{text}; {hint}"))
     if radius is not None:
@@ -160,8 +160,8 @@ def covered_share(shape: MeasuredShape, lower: float, upper: float) -> float:
 def _of_form(shape: MeasuredShape, form: Form, diameter: float) -> list[Message]:
     """Return findings about sign, turn and diameter."""
     messages = []
-    oval = form.ovality > CLEAR
-    concave = shape.height.size > 2 and form.barrel < -CLEAR
+    oval = form.ovality > SMALLEST_FORM
+    concave = shape.height.size > 2 and form.barrel < -SMALLEST_FORM
     turned = oval and abs(form.turn) > TURNED
     degrees = float(np.degrees(form.turn))
     if concave:
@@ -174,7 +174,9 @@ def _of_form(shape: MeasuredShape, form: Form, diameter: float) -> list[Message]
         )
         hint = "angles count from the pin axis towards thrust; turn the table or check its sign"
         messages.append(Message("warning", f"{text}; {hint}"))
-    if oval and (form.ovality > OVAL * diameter or form.barrel > DROP * diameter):
+    if oval and (
+        form.ovality > UNUSUAL_OVALITY * diameter or form.barrel > UNUSUAL_DROP * diameter
+    ):
         text = (
             f"expected a usual form, got an ovality of {_um(form.ovality)} in diameter and a drop "
             f"of {_um(form.barrel)} in radius; if values are diameters, halve value_unit"
@@ -210,8 +212,10 @@ def _of_surface(shape: MeasuredShape) -> list[Message]:
         )
         messages.append(Message("warning", f"{text} --smooth"))
     if smooth and smooth.rough:
-        text = f"expected a smooth surface, got {smooth.rough} values more than {_um(GRAIN)} off it"
-        messages.append(Message("remark", f"{text}; steps and grooves are splines in the film"))
+        text = (
+            f"expected a smooth surface, got {smooth.rough} values more than {_um(LEAST_DUST)} off"
+        )
+        messages.append(Message("remark", f"{text} it; steps and grooves are splines in the film"))
     return messages
 
 
@@ -241,10 +245,10 @@ def smooth_shape(shape: MeasuredShape) -> SmoothShape | None:
         rest = values - smooth
         noise = 1.4826 * float(np.median(np.abs(rest)))
         row, column = np.unravel_index(np.abs(rest).argmax(), rest.shape)
-        if abs(rest[row, column]) <= max(GRAIN, OUTLIER * noise):
+        if abs(rest[row, column]) <= max(LEAST_DUST, LEAST_DUST_OVER_NOISE * noise):
             break
-        if len(grains) >= max(1, MOST * values.size):
-            rough = int((np.abs(off) > max(GRAIN, OUTLIER * noise)).sum())
+        if len(grains) >= max(1, MOST_DUST * values.size):
+            rough = int((np.abs(off) > max(LEAST_DUST, LEAST_DUST_OVER_NOISE * noise)).sum())
             smooth, order = _fit(shape.angle, shape.height, shape.value) or fitted
             rms = float(np.sqrt(np.mean((shape.value - smooth) ** 2)))
             return SmoothShape(replace(shape, value=smooth), order, rms, [], rough)

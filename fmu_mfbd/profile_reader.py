@@ -13,11 +13,20 @@ from ..master.fmi.errors import BadInput
 from ..master.fmi.preview import Figure, Message
 from .dynamics.tables import TableFault, profile_table
 from .geometry.profile import MeasuredShape, table_shape
-from .preview_picture import BELOW, COLOURS, HEIGHTS, MM, SIDES, UM, draw_developed, mark_angles
+from .preview_picture import (
+    COLOURS,
+    HEIGHTS,
+    LEGEND_POSITION,
+    MM,
+    SIDES,
+    UM,
+    draw_developed,
+    mark_angles,
+)
 from .profile_judgement import (
-    CLEAR,
     FEWEST_ANGLES,
     FEWEST_HEIGHTS,
+    SMALLEST_FORM,
     SmoothShape,
     covered_share,
     form_of,
@@ -127,7 +136,7 @@ def _figures(shape: MeasuredShape, smoothed: SmoothShape | None) -> list[Figure]
         Figure("values", "largest", float(value.max()), "m", "positive inwards"),
         Figure("form", "drop_of_the_ends", form.barrel, "m", "mean over the angles"),
     ]
-    if form.ovality > CLEAR:
+    if form.ovality > SMALLEST_FORM:
         oval = Figure("form", "ovality", form.ovality, "m", "in diameter, mean over the heights")
         figures.append(oval)
         figures.append(Figure("form", "smallest_diameter_at", form.turn, "rad"))
@@ -212,7 +221,11 @@ def _draw(
     for panel in (around, along):
         panel.grid(alpha=0.3)
         panel.legend(
-            fontsize="small", frameon=False, ncols=3, loc="upper center", bbox_to_anchor=BELOW
+            fontsize="small",
+            frameon=False,
+            ncols=3,
+            loc="upper center",
+            bbox_to_anchor=LEGEND_POSITION,
         )
     figure.savefig(path, dpi=110 if path.suffix == ".png" else 72)
 

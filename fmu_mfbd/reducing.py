@@ -28,7 +28,7 @@ from .reduction.store import stored_shell
 from .thrust_symmetry import kind_of
 
 Say = Callable[[str], None]
-TYPICAL = 50.0
+SECONDS_PER_MEGABYTE = 50.0
 """Time of a first reduction per megabyte of its mesh file [s]."""
 
 
@@ -39,7 +39,7 @@ def reducing(name: str, mesh: str | None, progress: Say, table: str = "") -> Ite
     Parameters
     ----------
     name : str
-        Of the body, in the phase and in messages.
+        Name of the body in messages.
     mesh : str or None
         Path of the mesh, whose size determines the expected time.
     progress : callable
@@ -57,7 +57,7 @@ def reducing(name: str, mesh: str | None, progress: Say, table: str = "") -> Ite
         @cache
         def begin() -> None:
             megabytes = Path(mesh).stat().st_size / 1e6 if mesh else 0.1
-            phases.enter_context(phase(f"reducing {name}", megabytes, TYPICAL))
+            phases.enter_context(phase(f"reducing {name}", megabytes, SECONDS_PER_MEGABYTE))
 
         def say(text: str) -> None:
             begin()
@@ -88,7 +88,7 @@ def reduced_shell(
     ----------
     options : SmallEnd or RoundShell
     density : float
-        Of the material [kg/m3].
+        Density of the material [kg/m3].
     film : ShellFilm
     kind : ShellKind
     progress, table

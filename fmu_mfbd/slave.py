@@ -26,7 +26,14 @@ from .dynamics.model import (
     stacked,
 )
 from .dynamics.model_faults import faults
-from .dynamics.parameters import ELEMENT_PARAMETERS, REFERENCE, TUNABLE, Damping, Parameters, taken
+from .dynamics.parameters import (
+    ELEMENT_PARAMETERS,
+    REFERENCE,
+    TUNABLE,
+    Damping,
+    Parameters,
+    parameters_from,
+)
 from .dynamics.state import PistonState
 from .dynamics.system import RingForce
 from .geometry.pin import PinForces
@@ -35,7 +42,7 @@ from .mechanism.piston_motion import RIGID
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS, WALL_FIELDS, WALL_LEVELS
 
 BORE = "bore_deflection"
-"""Of a bore that deflects from outside."""
+"""Input field of a bore whose deflection comes from another participant."""
 
 
 class Mfbd(FieldSlave):
@@ -94,9 +101,9 @@ class Mfbd(FieldSlave):
         """
         options = self.built
         self._warned = ""
-        parameters = taken(Parameters, values)
+        parameters = parameters_from(Parameters, values)
         kinds = [*table.own_parameters(options), *ELEMENT_PARAMETERS]
-        own = [taken(kind, values) for kind in kinds]
+        own = [parameters_from(kind, values) for kind in kinds]
         bodies = load_bodies(self.resources, options)
         if wrong := faults(bodies, options, parameters, own):
             raise BadInput(wrong)
@@ -115,10 +122,10 @@ class Mfbd(FieldSlave):
         except MotionNotSolved as error:
             raise BadInput(f"start: {error}") from None
         gaps = self._of_films(("film_thickness",))
-        self._tell_of_bend(max(np.abs(outputs[gap] - straight[gap]).max() for gap in gaps))
+        self._log_bend(max(np.abs(outputs[gap] - straight[gap]).max() for gap in gaps))
         return state, outputs
 
-    def _tell_of_bend(self, bend: float) -> None:
+    def _log_bend(self, bend: float) -> None:
         """Log the change of the gap at the start by modes without inertia [m].
 
         A film starts with the oil of this gap. Modes with inertia start undeformed and squeeze oil

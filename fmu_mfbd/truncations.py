@@ -24,7 +24,7 @@ class Truncations(NamedTuple):
     Parameters
     ----------
     bodies : dict of str to Truncation
-        Of piston and block; a rigid body has none.
+        Truncations of piston and block. A rigid body has none.
     share_of_film : float or None
         Eq. (J34) for all of them [-]; None if the run has not recorded the film thickness.
     odd_share : float or None

@@ -43,10 +43,10 @@ BLOCK = (
     "block_angular_velocity",
 )
 """Motion of a mounted block, as `Carrier`."""
-GAUGE = (-2e5, 1e8)
-FORCE = (-1e9, 1e9)
-FAST = (-1e6, 1e6)
-WARM = (200.0, 1000.0)
+GAUGE_PRESSURES = (-2e5, 1e8)
+RING_FORCES = (-1e9, 1e9)
+BLOCK_ACCELERATIONS = (-1e6, 1e6)
+TEMPERATURES = (200.0, 1000.0)
 """Ranges of gauge pressures [Pa], forces of the rings [N], accelerations of a block, and
 temperatures [K].
 """
@@ -54,7 +54,7 @@ WALL_LEVELS = {"skirt": "piston_temperature", "bore": "bore_temperature"}
 """Wall -> input with the level of its temperature."""
 WALL_FIELDS = {"skirt": "skirt_temperature_field", "bore": "bore_temperature_field"}
 """Wall -> field input of its temperature, which replaces the level."""
-WARMEST = (233.15, 573.15)
+WALL_TEMPERATURES = (233.15, 573.15)
 """Range of the temperature of a wall with a film, as of the oil [K]."""
 
 
@@ -84,17 +84,17 @@ class PinInputs(NamedTuple):
 class OtherInputs(NamedTuple):
     """Inputs of all body FMUs: unit, start, nominal value and range."""
 
-    gas_pressure: Annotated[float, "Pa", 0.0, 1e6, GAUGE]
+    gas_pressure: Annotated[float, "Pa", 0.0, 1e6, GAUGE_PRESSURES]
     """Gauge pressure on the piston crown and on the bore above the top ring; gas_source combines it
     with the built-in table.
     """
-    crankcase_pressure: Annotated[float, "Pa", 0.0, 1e5, GAUGE]
+    crankcase_pressure: Annotated[float, "Pa", 0.0, 1e5, GAUGE_PRESSURES]
     """Gauge pressure below the piston, over the area of the bore."""
-    land_pressure: Annotated[float, "Pa", 0.0, 1e5, GAUGE]
+    land_pressure: Annotated[float, "Pa", 0.0, 1e5, GAUGE_PRESSURES]
     """Gauge pressure on the bore between the rings."""
-    ring_side_force: Annotated[float, "N", 0.0, 1e2, FORCE]
+    ring_side_force: Annotated[float, "N", 0.0, 1e2, RING_FORCES]
     """Force of the rings on the piston towards the thrust side."""
-    ring_axial_force: Annotated[float, "N", 0.0, 1e2, FORCE]
+    ring_axial_force: Annotated[float, "N", 0.0, 1e2, RING_FORCES]
     """Force of the rings on the piston towards the head, along the bore axis."""
     ring_moment: Annotated[float, "N.m", 0.0, 1.0, (-1e5, 1e5)]
     """Moment of the rings on the piston about +z at pin point A, in addition to that of their axial
@@ -104,11 +104,11 @@ class OtherInputs(NamedTuple):
     """Load torque on a free crank against its direction of rotation, at the end of the step;
     without effect on a crank of prescribed speed.
     """
-    piston_temperature: Annotated[float, "K", 293.15, 300.0, WARM]
+    piston_temperature: Annotated[float, "K", 293.15, 300.0, TEMPERATURES]
     """Level of the temperature of the piston, with which the skirt grows from reference_temperature
     on; it is even unless build options give a distribution.
     """
-    bore_temperature: Annotated[float, "K", 293.15, 300.0, WARM]
+    bore_temperature: Annotated[float, "K", 293.15, 300.0, TEMPERATURES]
     """Level of the temperature of the bore, with which the bore grows from reference_temperature
     on; it is even unless build options give a distribution.
     """
@@ -119,11 +119,11 @@ class OtherInputs(NamedTuple):
 class BlockInputs(NamedTuple):
     """Motion of a mounted block in the plane of the cylinder: unit, start, nominal value, range."""
 
-    block_acceleration_x: Annotated[float, "m/s2", 0.0, 1.0, FAST]
+    block_acceleration_x: Annotated[float, "m/s2", 0.0, 1.0, BLOCK_ACCELERATIONS]
     """Acceleration of the block at the crank axis along the cylinder's x."""
-    block_acceleration_y: Annotated[float, "m/s2", 0.0, 1.0, FAST]
+    block_acceleration_y: Annotated[float, "m/s2", 0.0, 1.0, BLOCK_ACCELERATIONS]
     """Acceleration of the block at the crank axis along the cylinder's y."""
-    block_angular_acceleration: Annotated[float, "rad/s2", 0.0, 10.0, FAST]
+    block_angular_acceleration: Annotated[float, "rad/s2", 0.0, 10.0, BLOCK_ACCELERATIONS]
     """Angular acceleration of the block about the crank axis."""
     block_angular_velocity: Annotated[float, "rad/s", 0.0, 0.1, (-1e4, 1e4)]
     """Angular velocity of the block about the crank axis."""
@@ -269,7 +269,9 @@ def warmed(
     fixed = {WALL_LEVELS[name]: getattr(walls, name).level for name in fixed_walls(walls)}
     others = [one for one in acting if one.name not in WALL_LEVELS.values()]
     levels = [
-        replace(one, start=fixed[one.name], minimum=WARMEST[0], maximum=WARMEST[1])
+        replace(
+            one, start=fixed[one.name], minimum=WALL_TEMPERATURES[0], maximum=WALL_TEMPERATURES[1]
+        )
         for one in acting
         if one.name in fixed
     ]
@@ -280,7 +282,7 @@ def warmed(
         shapes[WALL_FIELDS["bore"]] = options.grid[0], walls.stations
     text = "Temperature of the wall, with which it grows from reference_temperature on"
     fields = [
-        input_variable(name, "K", text, REFERENCE, 300.0, shape, limits=WARMEST)
+        input_variable(name, "K", text, REFERENCE, 300.0, shape, limits=WALL_TEMPERATURES)
         for name, shape in shapes.items()
     ]
     return others + levels + fields

@@ -88,19 +88,19 @@ def softness(
     reduced: Array,
     domain: Domain,
 ):
-    """`coating.Softness` about a film.
+    """Return the `coating.Softness` about a film.
 
     Parameters
     ----------
     pressed : CoatedInputs
     deflection : ndarray, shape (n_c, n_a)
-        Of this film [m].
+        Deflection of the coating for this film [m].
     layer : Layer
     inputs : film_step.BalanceInputs
         Whatever its film.
     flow : flow_film.FlowFilm
     filling : flows.Filling
-        With which the balance is solved.
+        Filling in which the balance is solved.
     reduced : ndarray, shape (n_c, n_a)
         Reduced pressure that presses on the coating [Pa].
     domain : film_step.Domain
@@ -149,9 +149,9 @@ def balanced(
     flow : flow_film.FlowFilm
         Under this deflection.
     last : film_step.BalanceInputs
-        Of the last iteration.
+        Inputs of the last iteration.
     iterate : film_step.FilmSolution
-        Of the last iteration.
+        Solution of the last iteration.
     factorisations : int
     domain : film_step.Domain
     solver : sparse.LinearSolver or blocks.Factors
@@ -187,7 +187,7 @@ def solve(
     solver: LinearSolver | Factors,
     faults: Array,
 ) -> StepSolution:
-    """Film of a step; a fault is noted where there is none.
+    """Return the film of a step; note a fault if there is none.
 
     Parameters
     ----------

@@ -164,7 +164,7 @@ def factorise(solver: LinearSolver | Factors, stencil: Array, lowest: int, highe
 
 @standing_for(substitute_one)
 def solution(solver: LinearSolver | Factors, stencil: Array, right: Array) -> Array:
-    """Solution for a right-hand side, shape (n_c, n_a), which may be overwritten."""
+    """Return the solution for a right-hand side, shape (n_c, n_a), which may be overwritten."""
     if isinstance(solver, Factors):
         return substitute_one(solver, stencil, right)
     return solver.solve(right[None])[0]
@@ -193,7 +193,7 @@ def solutions(solver: LinearSolver | Factors, stencil: Array, right: Array) -> A
 def assemble(equations: Equations, pattern: Flags):
     """Return five-point matrix and right-hand side, as `reynolds.assemble`.
 
-    `pattern`, shape (n_c, n_a), says which cells are full.
+    `pattern`, shape (n_c, n_a) : whether each cell is full.
     """
     faces, lift, storage, edges, softness, domain, _ = equations
     model = domain.model
@@ -216,7 +216,7 @@ def assemble(equations: Equations, pattern: Flags):
 def full_cells(
     equations: Equations, solver: LinearSolver | Factors, full: Flags, faults: Array
 ) -> FullCells:
-    """Pattern of full cells and signed unknown of one step, Eq. (C1).
+    """Return the pattern of full cells and the signed unknown of one step, Eq. (C1).
 
     Parameters
     ----------
@@ -243,19 +243,35 @@ def full_cells(
         factorise(solver, stencil, lowest, highest)
         unknown = solution(solver, stencil, right)
         singly = iteration >= domain.together
-        found = cavitation.switch(full, unknown, domain.open_cells, model.conserving, singly)
+        pattern_change = cavitation.switch(
+            full, unknown, domain.open_cells, model.conserving, singly
+        )
         iteration += 1
-        if found.switched < 0:
-            refuse(faults, FAULT.not_finite, found.i, found.j, 0.0, 0.0, 0.0)
-        elif found.switched > 0 and equations.follows_pattern and iteration == cavitation.LIMIT:
-            u = unknown[found.i, found.j]
+        if pattern_change.switched < 0:
+            refuse(faults, FAULT.not_finite, pattern_change.i, pattern_change.j, 0.0, 0.0, 0.0)
+        elif (
+            pattern_change.switched > 0
+            and equations.follows_pattern
+            and iteration == cavitation.LIMIT
+        ):
+            u = unknown[pattern_change.i, pattern_change.j]
             most = float(cavitation.LIMIT)
-            refuse(faults, FAULT.still_switching, found.i, found.j, most, float(found.switched), u)
-        if found.switched <= 0 or not equations.follows_pattern or faults[0] > 0.0:  # Eq. (C1)
+            refuse(
+                faults,
+                FAULT.still_switching,
+                pattern_change.i,
+                pattern_change.j,
+                most,
+                float(pattern_change.switched),
+                u,
+            )
+        if (
+            pattern_change.switched <= 0 or not equations.follows_pattern or faults[0] > 0.0
+        ):  # Eq. (C1)
             return FullCells(unknown, full, iteration, stencil)
-        lowest = found.lowest
-        highest = found.highest
-        full = found.pattern
+        lowest = pattern_change.lowest
+        highest = pattern_change.highest
+        full = pattern_change.pattern
 
 
 @compiled
@@ -276,7 +292,7 @@ def newton_matrix(equations: Equations, unknown: Array, full: Flags):
 def rounded_cells(
     sharp: FullCells, equations: Equations, solver: LinearSolver | Factors, faults: Array
 ) -> FullCells:
-    """Unknown of one step by Newton's method, Eq. (C6).
+    """Return the unknown of one step by Newton's method, Eq. (C6).
 
     Parameters
     ----------
@@ -364,7 +380,7 @@ def face_lift(lift: Lift, entrainment: Entrainment, domain: Domain):
 
 @compiled
 def balance(unknown: Array, full: Flags, equations: Equations):
-    """Pressure, and what `reynolds.balance` says, for a signed unknown."""
+    """Return the pressure and the result of `reynolds.balance` for a signed unknown."""
     faces, lift, storage, edges, _, domain, _ = equations
     pressure, deficit = cavitation.interpret(domain.model, unknown, full, domain.open_cells)
     return pressure, reynolds.balance(
@@ -374,7 +390,7 @@ def balance(unknown: Array, full: Flags, equations: Equations):
 
 @compiled
 def equations_of(given: BalanceInputs, domain: Domain):
-    """Equations of a step."""
+    """Return the equations of a step."""
     film = given.film
     if domain.has_openings:
         film = openings.freed(domain.open_cells, film)
@@ -400,7 +416,7 @@ def equations_of(given: BalanceInputs, domain: Domain):
 
 @compiled
 def first_guess(full: Flags, equations: Equations):
-    """Pattern to start from: all cells where none ever switches, openings by their supply."""
+    """Return the first pattern: all cells if none ever switches, openings by their supply."""
     _, _, _, edges, _, domain, follows_pattern = equations
     guess = full.copy()
     for i in range(full.shape[0]):
@@ -413,8 +429,8 @@ def first_guess(full: Flags, equations: Equations):
 
 
 @compiled
-def solved(found: FullCells, pressure: Array, balance: reynolds.Balance, equations: Equations):
-    """`FilmSolution` with its flows."""
+def solved(cells: FullCells, pressure: Array, balance: reynolds.Balance, equations: Equations):
+    """Return the `FilmSolution` with its flows."""
     filling = Filling(pressure, balance.film_fraction, equations.lift)
     flow = flows.axial_flow(filling, equations.faces, equations.edges)
     domain = equations.domain
@@ -426,20 +442,20 @@ def solved(found: FullCells, pressure: Array, balance: reynolds.Balance, equatio
         spilled = openings.spilled(domain.open_cells, balance.flow_around)
         from_openings = openings.inflow(domain.open_cells, flow, spilled)
     return FilmSolution(
-        unknown=found.unknown,
+        unknown=cells.unknown,
         pressure=pressure,
         film_fraction=balance.film_fraction,
         content=balance.content,
-        full=found.full,
+        full=cells.full,
         axial_flow=flow,
         flow_around=balance.flow_around,
         edge_flow=balance.edge_flow,
         from_openings=from_openings,
         spilled=spilled,
         mass_imbalance=balance.imbalance,
-        iterations=found.iterations,
+        iterations=cells.iterations,
         lift=equations.lift,
-        stencil=found.stencil,
+        stencil=cells.stencil,
     )
 
 
@@ -462,12 +478,12 @@ def solve(
     FilmSolution
     """
     equations = equations_of(given, domain)
-    found = full_cells(equations, solver, first_guess(given.full, equations), faults)
-    iterations = found.iterations
-    while faults[0] == 0.0 and give_up_lift(equations.lift, found.unknown, found.full):
-        found = full_cells(equations, solver, found.full, faults)
-        iterations += found.iterations
-    whole = FullCells(found.unknown, found.full, iterations, found.stencil)
+    solution = full_cells(equations, solver, first_guess(given.full, equations), faults)
+    iterations = solution.iterations
+    while faults[0] == 0.0 and give_up_lift(equations.lift, solution.unknown, solution.full):
+        solution = full_cells(equations, solver, solution.full, faults)
+        iterations += solution.iterations
+    whole = FullCells(solution.unknown, solution.full, iterations, solution.stencil)
     if domain.model.rounding > 0.0 and faults[0] == 0.0:
         whole = rounded_cells(whole, equations, solver, faults)
     return completed(whole, equations, solver, given.softness.weight.size == 0)
@@ -475,19 +491,19 @@ def solve(
 
 @compilable
 def completed(
-    found: FullCells, equations: Equations, solver: LinearSolver | Factors, refines: bool
+    cells: FullCells, equations: Equations, solver: LinearSolver | Factors, refines: bool
 ) -> FilmSolution:
     """Return the film of an unknown, refined once if its round-off matters.
 
-    It matters if oil is conserved, and under an even pressure, whose differences are friction.
-    Pressures that are cut off leave a residual of their own.
+    It matters if oil is conserved, and under a uniform pressure, because its differences cause
+    friction. If pressures are cut off, the residual is larger than round-off.
 
     Parameters
     ----------
-    found : FullCells
+    cells : FullCells
     equations : Equations
     solver : sparse.LinearSolver or blocks.Factors
-        With the factorisation of `found`.
+        With the factorisation of `cells`.
     refines : bool
         False for an iteration of a coating, which does not balance yet.
 
@@ -495,16 +511,16 @@ def completed(
     -------
     FilmSolution
     """
-    unknown = found.unknown
-    pressure, now = balance(unknown, found.full, equations)
+    unknown = cells.unknown
+    pressure, now = balance(unknown, cells.full, equations)
     conserving = equations.domain.model.conserving
     lost = conserving and now.imbalance > REFINE_ABOVE
     highest = pressure.max()
     even = highest > 0.0 and highest - pressure.min() <= EVEN * highest
     if refines and (lost or (even and (conserving or (pressure == unknown).all()))):
-        unknown = unknown + solution(solver, found.stencil, now.residual)
-        pressure, now = balance(unknown, found.full, equations)
-    whole = FullCells(unknown, found.full, found.iterations, found.stencil)
+        unknown = unknown + solution(solver, cells.stencil, now.residual)
+        pressure, now = balance(unknown, cells.full, equations)
+    whole = FullCells(unknown, cells.full, cells.iterations, cells.stencil)
     return solved(whole, pressure, now, equations)
 
 
@@ -529,10 +545,10 @@ def balance_pressure(model: Cavitation, unknown: Array, pressure: Array) -> Arra
 
 
 @compilable
-def solved_filling(found: FilmSolution, model: Cavitation) -> Filling:
+def solved_filling(film: FilmSolution, model: Cavitation) -> Filling:
     """Return the filling with which the balance of a step was solved."""
-    pressure = balance_pressure(model, found.unknown, found.pressure)
-    return Filling(pressure, found.film_fraction, found.lift)
+    pressure = balance_pressure(model, film.unknown, film.pressure)
+    return Filling(pressure, film.film_fraction, film.lift)
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""What a film thickness means for flow and shear, with the derivative to the film thickness.
+"""Quantities of flow and shear that depend on the film thickness, and their derivatives by it.
 
 Smooth surfaces:
 
@@ -14,13 +14,14 @@ give the axial stress of `friction`. The factors phi are those of `roughness`, o
 is the skirt's share of the roughness variance. In the frame of the grid the skirt rests and the
 bore moves with twice the entrainment velocity, so a rough skirt holds oil back (h_U < h_T).
 
-c_v and b_p hold all of what acts on the bore along the axis: shear, and the pressure on the slopes
-of its roughness. A smooth bore under a rough skirt (Y = 1) feels shear alone, the published phi_f +
-Phi_fs and phi_fp. For a rough bore under a smooth skirt (Y = 0) that shear is the skirt's, and the
-film, which has no mass, gives the bore the rest: the same whole of sliding, and h - phi_fp h/2 of a
-pressure gradient. Between them both are linear in the variances, as the flow factors are.
+c_v and b_p contain the total axial action on the bore: shear, and the pressure on the slopes of its
+roughness. On a smooth bore under a rough skirt (Y = 1) only shear acts, with the published factors
+phi_f + Phi_fs and phi_fp. For a rough bore under a smooth skirt (Y = 0) these factors describe the
+shear on the skirt. The action on the bore then follows from the equilibrium of the film, which has
+no mass. It is the same for sliding, and h - phi_fp h/2 for a pressure gradient. Between both cases
+c_v and b_p are linear in the variances, as the flow factors are.
 
-All quantities of a film stand in one array, `common.quantities`.
+One array contains all quantities of a film, see `common.quantities`.
 """
 
 import numpy as np
@@ -47,7 +48,7 @@ from ..laws.roughness import (
 
 @compiled
 def smooth_film(film_thickness: Array, viscosity: Array, minimum_flow_film: float):
-    """Film between smooth surfaces, Eq. (E7).
+    """Return the film between smooth surfaces, Eq. (E7).
 
     Parameters
     ----------
@@ -86,7 +87,7 @@ def smooth_film(film_thickness: Array, viscosity: Array, minimum_flow_film: floa
 
 @compiled(forceinline=True)
 def _factors(table, separation, roughness_rms, f, df):
-    """Functions of `roughness` at H into `f`, their slopes to h into `df`."""
+    """Write the functions of `roughness` at H into `f`, and their derivatives by h into `df`."""
     last = table.shape[0] - 1
     for k in range(FACTORS):
         column = 2 * k
@@ -110,7 +111,7 @@ def rough_film(
     roughness_rms: float,
     table: Array,
 ):
-    """Film between rough surfaces, Eqs. (E8), (E9).
+    """Return the film between rough surfaces, Eqs. (E8), (E9).
 
     Parameters
     ----------

@@ -1,17 +1,18 @@
-"""A film as flow and shear see it: between smooth or rough surfaces, thinned by shear.
+"""Quantities of flow and shear of a film between smooth or rough surfaces, with shear thinning.
 
 Shear thinning lowers the viscosity of a cell to that at its shear rate gamma' = S/h, with h not
 below the floor h_min. With flow factors h is h_s of Eq. (R9), the mean over the local films, which
-needs no floor. A bearing slides both ways, V along and W around, with S^2 = V^2 + W^2. Couette
-stress falls by mu/mu_0. Pressure flow along the sliding direction meets the slope mu_t of the
-stress, Eq. (O10), and across it mu:
+needs no floor. A bearing slides in both directions, V along the axis and W around it, with S^2 =
+V^2 + W^2. The Couette stress decreases by mu/mu_0. The viscosity for pressure flow along the
+sliding direction is the slope mu_t of the stress, Eq. (O10). For flow across this direction it is
+mu:
 
 Eq. (E13):  kappa_a = kappa_a0 mu_0 (c^2/mu_t + s^2/mu)
             kappa_c = kappa_c0 mu_0 (s^2/mu_t + c^2/mu)
 
 c = V/S and s = W/S, at rest 0 and 1. kappa_a0 and kappa_c0 are the conductivities with mu_0. Eq.
 (E13) is the generalised-Newtonian average across the film to first order in the pressure gradient.
-It omits the flow that a pressure gradient drives at right angles if a surface slides both ways.
+If a surface slides in both directions, it omits the flow at right angles to the pressure gradient.
 """
 
 from typing import NamedTuple
@@ -67,7 +68,7 @@ class FlowFilm(NamedTuple):
 
 @compilable
 def flow_film(film_thickness: Array, sheared: ShearedOil, laws: FilmLaws) -> FlowFilm:
-    """Film of a film thickness, shape (n_c, n_a) [m].
+    """Return the film of a film thickness, shape (n_c, n_a) [m].
 
     Parameters
     ----------
@@ -107,7 +108,7 @@ def _sheared_film(film_thickness, laws):
 
 @compiled
 def _thinned(quantities, by_film, film_thickness, sheared, laws):
-    """`FlowFilm` of thinned oil, Eq. (E13); `quantities` and `by_film` in place."""
+    """Return the `FlowFilm` of thinned oil, Eq. (E13); change `quantities` and `by_film`."""
     n_c, n_a = film_thickness.shape
     by_velocity = np.zeros(by_film.shape)
     by_turning = np.zeros(by_film.shape)

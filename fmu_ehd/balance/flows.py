@@ -93,20 +93,20 @@ def dragged(t, fraction, limit):
 
 @compiled(forceinline=True)
 def _flow(k, t, p_a, p_b, f_a, f_b):
-    """Face flow, Eq. (E2)."""
+    """Return the face flow, Eq. (E2)."""
     return k * (p_a - p_b) + max(t, 0.0) * f_a + min(t, 0.0) * f_b  # Eq. (E2)
 
 
 @compiled(forceinline=True)
 def _inflow(k, t, pressure, fraction, cell_pressure, cell_fraction, limit):
-    """Flow over an edge into a cell, Eqs. (E2), (E12); t transport into the film."""
+    """Return the flow over an edge into a cell, Eqs. (E2), (E12); t transport into the film."""
     drawn = k * (pressure - cell_pressure)
     return drawn + dragged(t, fraction, limit) + min(t, 0.0) * cell_fraction
 
 
 @compiled(forceinline=True)
 def _inflow_axial(filling, faces, edges, i, edge):
-    """Flow into row i over the lower or the upper edge [m3/s]."""
+    """Return the flow into row i over the lower or the upper edge [m3/s]."""
     n_a = filling.pressure.shape[1]
     j = 0 if edge == LOWER else n_a - 1
     face = 0 if edge == LOWER else n_a
@@ -124,7 +124,7 @@ def _inflow_axial(filling, faces, edges, i, edge):
 
 @compiled
 def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
-    """Flows out of the cells and over the edges, Eq. (E2).
+    """Return the flows out of the cells and over the edges, Eq. (E2).
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
 
 @compiled
 def axial_flow(filling: Filling, faces: Faces, edges: Edges):
-    """Flow through all axial faces, Eq. (E2), positive with ascending j.
+    """Return the flow through all axial faces, Eq. (E2), positive with ascending j.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def axial_flow(filling: Filling, faces: Faces, edges: Edges):
 
 @compiled
 def flow_around(filling: Filling, faces: Faces, edges: Edges, ring: bool):
-    """Flow through all faces across i, Eq. (E2), positive with ascending i.
+    """Return the flow through all faces across i, Eq. (E2), positive with ascending i.
 
     Parameters
     ----------

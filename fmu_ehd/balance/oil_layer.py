@@ -173,7 +173,7 @@ class ExposedShares(NamedTuple):
 
 
 def skirt_edges(open_cells: Flags) -> Array:
-    """`Bore.faces` of a skirt with cut-outs, ndarray of bool of shape (n_c, n_a)."""
+    """Return `Bore.faces` of a skirt with cut-outs, ndarray of bool of shape (n_c, n_a)."""
     film = np.pad(~open_cells, ((0, 0), (1, 1)))
     row, face = np.nonzero(film[:, 1:] != film[:, :-1])
     order = np.arange(row.size) - np.searchsorted(row, row)
@@ -226,7 +226,7 @@ def start(bore: Bore, velocity: Array, open_cells: Flags) -> OilLayer:
     """
     layer = bore.supply.initial_layer * _bare(_exposed(bore, 0.0))
     mean = mean_of(velocity, open_cells, bore.cells)
-    held = sum_of_products(layer, bore.area)
+    on_bore = sum_of_products(layer, bore.area)
     nothing = np.zeros(bore.faces.shape)
     return OilLayer(
         bore=layer,
@@ -237,7 +237,7 @@ def start(bore: Bore, velocity: Array, open_cells: Flags) -> OilLayer:
         velocity=mean,
         velocity_before=mean,
         supplied=0.0,
-        held=held,
+        held=on_bore,
     )
 
 
@@ -260,7 +260,7 @@ def none_followed() -> OilLayer:
 
 @compiled
 def mean_of(velocity: Array, open_cells: Flags, cells: Cells):
-    """V of the skirt [m/s], the mean over its cells, shape (n_c, n_a), that have a film."""
+    """Return V of the skirt [m/s], the mean over its cells, shape (n_c, n_a), that have a film."""
     total = 0.0
     count = 0.0
     for i in range(velocity.shape[0]):
@@ -274,13 +274,13 @@ def mean_of(velocity: Array, open_cells: Flags, cells: Cells):
 
 @compilable
 def volume(bore: Bore, layer: OilLayer) -> float:
-    """Oil on the bore and at the edges of the skirt [m3]."""
-    return _held(bore, layer.bore, layer.reservoir)
+    """Return the oil on the bore and at the edges of the skirt [m3]."""
+    return _oil_volume(bore, layer.bore, layer.reservoir)
 
 
 @compilable
-def _held(bore, oil, reservoir):
-    """Return the volume of a layer and of what the edges push along [m3]."""
+def _oil_volume(bore, oil, reservoir):
+    """Return the volume of a layer and of the reservoirs at the edges [m3]."""
     pushed = sum_of_products(reservoir, np.ones(bore.faces.shape))
     return sum_of_products(oil, bore.area) + pushed
 
@@ -356,7 +356,7 @@ def covered(
 
 @compilable
 def limit(bore: Bore, covered: OilLayer, carried: Array, length: float) -> Array:
-    """Most that sliding can drag in over the axial faces, Eq. (T22).
+    """Return the largest flow that sliding can drag in over the axial faces, Eq. (T22).
 
     Parameters
     ----------
@@ -445,7 +445,7 @@ def left(
         velocity=velocity,
         velocity_before=before.velocity,
         supplied=covered.supplied - sum_of_products(fallen, np.ones(fallen.shape)),
-        held=_held(bore, oil, reservoir),
+        held=_oil_volume(bore, oil, reservoir),
     )
 
 
@@ -468,7 +468,7 @@ def inflow(bore: Bore, passed: Array) -> Array:
 
 @compilable
 def gaps(bore: Bore, film_thickness: Array) -> Array:
-    """Gap at the edges [m], shape (n_e, n_c), from that of the cells, shape (n_c, n_a)."""
+    """Return the gap at the edges [m], (n_e, n_c), from that of the cells, (n_c, n_a)."""
     n_e, n_c = bore.faces.shape
     gap = np.zeros((n_e, n_c))
     for edge in range(n_e):
@@ -513,7 +513,7 @@ def _exposed(bore: Bore, height: float) -> ExposedShares:
 
 @compilable
 def _bare(exposed: ExposedShares) -> Array:
-    """Share of each cell of the bore that is bare, shape (n_c, n_b)."""
+    """Return the share of each cell of the bore that is bare, shape (n_c, n_b)."""
     bare = exposed.between[0]
     for k in range(1, exposed.between.shape[0]):
         bare = bare + exposed.between[k]
@@ -522,12 +522,12 @@ def _bare(exposed: ExposedShares) -> Array:
 
 @compilable
 def _above(bore: Bore, height: float, edge: Array) -> Array:
-    """Share of each cell of the bore above an edge of a skirt at `height` [-]."""
+    """Return the share of each cell of the bore above an edge of a skirt at `height` [-]."""
     dy = bore.cells.dy
     return _share((bore.bottom + dy - height - edge) / dy)
 
 
 @compilable
 def _share(cells: Array) -> Array:
-    """Lengths in cells, bounded to a share of one."""
+    """Return lengths in cells, limited to 0 and 1."""
     return np.minimum(np.maximum(cells, 0.0), 1.0)

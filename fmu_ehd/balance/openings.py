@@ -1,11 +1,13 @@
 """Cells without a film: windows, pin holes, where there is no skirt.
 
-They hold the pressure and the film fraction of the lower edge, or of a supply of their own
-(`parameters.opening_supply`), up to their edge, and carry no force: what presses on the ground of a
-groove is the user's to add. For the film beside them that is an edge, half a cell from its centre,
-with its own film alone, Eq. (E3) with g -> inf behind the face; what is given inside an opening is
-looked at nowhere. Where oil is not in plenty, what sliding drags in from an opening is bounded as
-over an edge, Eq. (E12).
+An opening has the pressure and the film fraction of the lower edge, or those of the supply
+`parameters.opening_supply`. It carries no force. If the ground of a groove is loaded, the user must
+add that force.
+
+The film next to an opening has an edge there, half a cell from the centre of its last cell. In
+Eq. (E3) the conductivity of the opening is infinite, so only the film of that cell counts. Inputs
+inside an opening have no effect. If oil is scarce, Eq. (E12) limits the oil that sliding drags in
+from an opening, as for an edge.
 """
 
 import numpy as np
@@ -28,7 +30,7 @@ def nearest(open_cells: Flags, cells: Cells):
     ----------
     open_cells : ndarray of bool, shape (n_c, n_a)
     cells : grid.Cells
-        Of a ring or a mirrored grid.
+        Cells of a ring or of a mirrored grid.
 
     Returns
     -------
@@ -62,7 +64,7 @@ def nearest(open_cells: Flags, cells: Cells):
 
 @compiled
 def freed(open_cells: Flags, film: Array):
-    """Quantities of `films`, (6, n_c, n_a), with openings that oil runs freely through."""
+    """Return the quantities of `films`, (6, n_c, n_a), with openings without resistance."""
     film = film.copy()
     for i in range(open_cells.shape[0]):
         for j in range(open_cells.shape[1]):
@@ -107,7 +109,7 @@ def spilled(open_cells: Flags, around: Array):
 
 @compiled
 def inflow(open_cells: Flags, axial_flow: Array, into: Array):
-    """Flow into the film from all openings [m3/s].
+    """Return the flow into the film from all openings [m3/s].
 
     Parameters
     ----------
@@ -156,7 +158,7 @@ def starve(open_cells: Flags, faces: Faces, limit: Array):
 
 @compiled
 def filled(nearest_cell: np.ndarray, fields: Array):
-    """Fields whose openings show the nearest cell with a film.
+    """Return fields whose openings have the values of the nearest cell with a film.
 
     Parameters
     ----------

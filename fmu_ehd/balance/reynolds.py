@@ -118,7 +118,7 @@ class Balance(NamedTuple):
 
 @compiled(forceinline=True)
 def _face(g_a, g_b, t_a, t_b, velocity, aspect, width):
-    """Conductance K and transport T of a face, Eq. (E3)."""
+    """Return the conductance K and transport T of a face, Eq. (E3)."""
     inverse = 1.0 / (g_a + g_b)
     conductance = aspect * 2.0 * g_a * g_b * inverse  # Eq. (E3)
     transport = width * velocity * (t_a * g_b + t_b * g_a) * inverse
@@ -127,7 +127,7 @@ def _face(g_a, g_b, t_a, t_b, velocity, aspect, width):
 
 @compiled
 def faces(film: Array, entrainment: Entrainment, open_cells: Flags, cells: Cells):
-    """Conductances and transports of all faces, Eq. (E3).
+    """Return the conductances and transports of all faces, Eq. (E3).
 
     Parameters
     ----------

@@ -108,7 +108,7 @@ def _of_cell(g, t, velocity, row, slopes, du, i, j):
 
 @compiled(forceinline=True)
 def _edge_slopes(cell, velocity, pressure, entering, sign, aspect, width, lift=0.0):
-    """Return the derivatives of the flow over an edge of a cell, whose film stands on both sides.
+    """Return the derivatives of the flow over an edge of a cell. Its film is on both sides.
 
     sign : -1 if the flow counts into the cell, 1 if it counts out of it.
     """
@@ -287,7 +287,7 @@ def linearise(
 
 @compiled
 def apply_stencils(stencil: Array, dfilm: Array, dvelocity: Array, out: Array):
-    """Right-hand sides of Eq. (E6) for changes of film and sliding velocity.
+    """Return the right-hand sides of Eq. (E6) for changes of film and sliding velocity.
 
     Parameters
     ----------

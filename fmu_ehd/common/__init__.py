@@ -1,7 +1,7 @@
-"""What laws, solvers and balance share.
+"""Common parts of laws, solvers and balance.
 
 grid          cells and edges
-quantities    names of what a film thickness means for flow and shear
+quantities    names of the quantities of flow and shear that depend on the film thickness
 faults        why a step is rejected
 declaration   parameters with unit, range and description
 """

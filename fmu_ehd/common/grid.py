@@ -54,8 +54,8 @@ class Edges(NamedTuple):
     pressure : ndarray, shape (5,), above cavitation pressure [Pa], >= 0.
     film_fraction : ndarray, shape (5,), film fraction of the oil that sliding drags in [-], 0 to 1;
     below 1 only at cavitation pressure, `contradictions`.
-    limit : ndarray, shape (n_c, n_a + 1), most that sliding can drag into the film over each axial
-    face, an edge or one beside an opening [m3/s]; inf where oil is in plenty.
+    limit : ndarray, shape (n_c, n_a + 1), largest flow that sliding can drag into the film over an
+    axial face at an edge or an opening [m3/s]; inf if the supply is unlimited.
     """
 
     pressure: Annotated[Array, "5"]
@@ -138,7 +138,7 @@ def face_velocity_around(velocity: Array, open_cells: Flags, ring: bool):
 
 @compilable
 def in_plenty(shape: tuple[int, int]) -> Array:
-    """`Edges.limit` of a grid of that shape without a limit."""
+    """Return `Edges.limit` of a grid of this shape without a limit."""
     n_c, n_a = shape
     return np.full((n_c, n_a + 1), np.inf)
 

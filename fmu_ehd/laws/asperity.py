@@ -16,24 +16,24 @@ The usual power fit, 4 to 74 % low for Lambda = 0 to 3:
 
 Eq. (A5):  F_5/2(Lambda) = 4.4086e-5 (4 - Lambda)^6.804, Lambda < 4
 
-Elastic energy by area, what the asperities give back as the gap opens:
+Elastic energy by area, which the asperities release as the gap opens:
 
 Eq. (A9):  e = int_h^inf p dh' = (2/7) p_0 sigma F_7/2(Lambda),   p = p_0 F_5/2
 
-Boundary shear, Coulomb's and that of the boundary layer:
+Boundary shear stress, by Coulomb friction and by the boundary layer:
 
 Eq. (A6):  tau_b = mu_b p + tau_0 A_c/A
 
 D is the parabolic cylinder function. E* is the contact modulus with the sum of both compliances;
-with E' = 2/sum the factor of Eq. (A3) is half as large. For Lambda < 0 the integrals go on along
-their tangent at Lambda = 0: the height distribution says nothing about overlap, and a straight line
-keeps the contact stiffness finite there. At Lambda = -1.5 it is below half of the integral, and the
-law ends:
+with E' = 2/sum the factor of Eq. (A3) is half as large. For Lambda < 0 the integrals continue along
+their tangent at Lambda = 0, because the height distribution does not describe overlap. A straight
+line also keeps the contact stiffness finite. At Lambda = -1.5 it is below half of the integral.
+Therefore the law ends:
 
 Eq. (A14):  h > -1.5 sigma
 
-Smooth surfaces, sigma = 0, have no contact law and must be apart. A coating yields by less than its
-thickness d, so that h without its deflection is above -1.5 sigma - d.
+Smooth surfaces, sigma = 0, have no contact law and must not touch. A coating deflects by less than
+its thickness d, so h without its deflection is above -1.5 sigma - d.
 
 References
 ----------
@@ -105,7 +105,7 @@ class PointContact(NamedTuple):
 
 
 def gaussian_integral(order: float, separation: Any) -> Any:
-    """Integral F_n of the Gaussian height distribution, Eq. (A1).
+    """Return the integral F_n of the Gaussian height distribution, Eq. (A1).
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def contact_table(law: str = "greenwood_tripp_1970") -> Array:
 
 @compiled(forceinline=True)
 def _integral(table, column, separation):
-    """Tabulated integral and its slope at Lambda; straight below 0, zero above the table."""
+    """Return the tabulated integral and its slope; linear below 0, zero above the table."""
     if separation >= TABLE_END:
         return 0.0, 0.0
     if separation < 0.0:
@@ -187,7 +187,7 @@ def _integral(table, column, separation):
 
 @compiled(forceinline=True)
 def _energy_integral(table, separation):
-    """int_Lambda^inf F_5/2, with F_5/2 straight below 0."""
+    """Return int_Lambda^inf F_5/2, with F_5/2 straight below 0."""
     value, slope = _integral(table, ENERGY_COLUMN, separation)
     if separation < 0.0:
         value -= 0.5 * table[0, PRESSURE_COLUMN + 1] * separation * separation
@@ -210,7 +210,7 @@ def contact_constants(x: Any, table: Array) -> ContactConstants:
 
 @compilable
 def pressure_scale(roughness_product: float, slope_ratio: float, contact_modulus: float) -> float:
-    """Factor of F_5/2 in the asperity pressure, Eq. (A3).
+    """Return the factor of F_5/2 in the asperity pressure, Eq. (A3).
 
     Parameters
     ----------
@@ -236,7 +236,7 @@ def pressure_scale(roughness_product: float, slope_ratio: float, contact_modulus
 
 @compiled(forceinline=True)
 def point_contact(film_thickness, constants):
-    """Contact at a point, Eqs. (A3), (A4), (A6), (A9), (A13); `constants`: ContactConstants.
+    """Return the contact at a point, Eqs. (A3), (A4), (A6), (A9), (A13).
 
     Parameters
     ----------

@@ -65,10 +65,10 @@ SETTLED = 1e-8  # change of the derivatives of Eq. (C6) by the last Newton step
 class PatternChange(NamedTuple):
     """Pattern of full cells after a solution.
 
-    pattern : ndarray of bool, shape (n_c, n_a), to go on with;
-    switched : cells that want to switch, -1: the solution is not finite;
-    lowest, highest : first and last axial station of the switched cells;
-    i, j : the first cell that wants to switch, or that is not finite.
+    pattern : ndarray of bool, shape (n_c, n_a), the next pattern;
+    switched : number of cells whose state contradicts their solution, -1: it is not finite;
+    lowest, highest : first and last axial station of these cells;
+    i, j : the first of them, or the first cell that is not finite.
     """
 
     pattern: Flags
@@ -104,7 +104,7 @@ CAVITATION = {
 
 @compiled
 def interpret(model: Cavitation, unknown: Array, full: Flags, fixed: Flags):
-    """Pressure [Pa] and film_fraction - 1 [-] of a signed unknown.
+    """Return the pressure [Pa] and film_fraction - 1 [-] of a signed unknown.
 
     Eq. (C6) does not hold in `fixed` cells, the openings.
     """
@@ -137,7 +137,7 @@ def shares(model: Cavitation, unknown: Array, full: Flags):
 
 @compiled(forceinline=True)
 def _rounded(u, rounding):
-    """p + c, u_v (1 - f) and their sum by Eq. (C6) [Pa], without cancellation."""
+    """Return p + c, u_v (1 - f) and their sum by Eq. (C6) [Pa], without cancellation."""
     product = rounding * VOID_PRESSURE
     difference = u + rounding
     root = np.sqrt(difference * difference + 4.0 * product)
@@ -218,7 +218,7 @@ def without_pressure(full: Flags, stencil: Array):
     ----------
     full : ndarray of bool, shape (n_c, n_a)
     stencil : ndarray, shape (5, n_c, n_a)
-        Of the full film.
+        Stencil of the full film, see `reynolds`.
     """
     n_c, n_a = full.shape
     for i in range(n_c):
@@ -234,7 +234,7 @@ def without_pressure(full: Flags, stencil: Array):
 
 @compiled
 def switch(full: Flags, unknown: Array, fixed: Flags, conserving: bool, singly: bool):
-    """`PatternChange` of a pattern by its solution: of all cells that want to, or of the first."""
+    """Return the change of a pattern by its solution: all cells that switch, or the first one."""
     highest_pressure = 0.0
     for i in range(full.shape[0]):
         for j in range(full.shape[1]):

@@ -1,7 +1,7 @@
-"""Shear around the circumference, and what sliding costs on a grid that rests on the bore.
+"""Circumferential shear, and friction power on a grid that is fixed to the bore.
 
-A bearing slides both ways, and its grid rests on the shell, its bore. Around the circumference, as
-Eqs. (F1), (F2) along the axis:
+A bearing slides in both directions, and its grid is fixed to the shell, which is its bore. Around
+the circumference, as Eqs. (F1), (F2) along the axis:
 
 Eq. (F6):  tau_v = -(f c W - b dp/dx)
 Eq. (F7):  tau_a = -tau_b W / s,   s^2 = V^2 + W^2 + v0^2
@@ -76,7 +76,7 @@ class Changes(NamedTuple):
 
 @compiled
 def gradients_around(pressure: Array, area: Array, end: float, dx: float, ring: bool):
-    """Pressure gradient around the circumference from the pressures on both faces of each cell.
+    """Return the circumferential pressure gradient from the pressures on both faces of each cell.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def gradients_around(pressure: Array, area: Array, end: float, dx: float, ring: 
 
 @compilable
 def speed(inputs: ShearInputs, turning: CircumferentialInputs) -> Array:
-    """s of Eq. (F7) [m/s]."""
+    """Return s of Eq. (F7) [m/s]."""
     square = inputs.velocity * inputs.velocity + turning.velocity * turning.velocity
     rounding = inputs.constants.rounding_velocity
     return np.sqrt(square + rounding * rounding)
@@ -142,12 +142,12 @@ def powers(
     turning: CircumferentialInputs,
     thickness: Array,
 ) -> FrictionPowers:
-    """Power that sliding costs on a bearing.
+    """Return the friction power of a bearing.
 
     Parameters
     ----------
     along : friction.FrictionPowers
-        Of the forces along the axis.
+        Powers of the forces along the axis.
     inputs : friction.ShearInputs
     around : friction.ShearForces
         From `shear_forces`.
@@ -165,7 +165,7 @@ def powers(
 
 @compilable
 def carried_power(inputs: ShearInputs, turning: CircumferentialInputs, thickness: Array) -> float:
-    """Second sum of Eq. (F8) [W], for a film thickness h [m] of shape (n_c, n_a)."""
+    """Return the second sum of Eq. (F8) [W], for a film thickness h [m] of shape (n_c, n_a)."""
     constants = inputs.constants
     along = gradients(inputs.pressure, inputs.area, constants.lower, constants.upper, constants.dy)
     across = _gradients(inputs, turning, inputs.pressure)

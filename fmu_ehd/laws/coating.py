@@ -48,7 +48,7 @@ class Softness(NamedTuple):
 
 @compilable
 def compliance(thickness: float, modulus: float, poisson: float) -> float:
-    """Compliance c of the layer [m/Pa], Eq. (L1).
+    """Return the compliance c of the layer [m/Pa], Eq. (L1).
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def compliance(thickness: float, modulus: float, poisson: float) -> float:
 
 @compiled
 def yielding(c: float, contact_slope: Array):
-    """k of Eq. (L3) [-], by which the asperities relieve the layer, shape (n_c, n_a).
+    """Return k of Eq. (L3) [-], by which the asperities relieve the layer, shape (n_c, n_a).
 
     Parameters
     ----------

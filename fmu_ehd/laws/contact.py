@@ -9,7 +9,7 @@ Eq. (A7):  h(x, y) = h_c + x (h_e - h_w)/2 + x^2 (h_e - 2 h_c + h_w)/2
 Eq. (A8):  p = sum_q w_q p(h(x_q, y_q)),   dp/dh_k = sum_q w_q p'(h(x_q, y_q)) dh(x_q, y_q)/dh_k
 
 at Gauss points q with weights w_q; area fraction, boundary stress and energy likewise. Ovality and
-barrel are parabolas within a cell. Beyond an edge and a cut-out the gap goes on straight,
+barrel are parabolas within a cell. Beyond an edge and a cut-out the gap continues linearly,
 h_n = 2 h_c - h_s, and it is constant between two of them. It does so beyond a step of the profile
 too. The gap steps between two cells where its jump is as large as a quarter of the roughness, and
 four times those before and behind. Its weight w is 1 there, 0 where the gap is smooth, and once
@@ -68,7 +68,7 @@ class Contact(NamedTuple):
 
 @compiled(forceinline=True)
 def neighbour(k, i, j, n_c, n_a):
-    """Cell of entry k of the stencil of cell (i, j) of a ring; an edge's own cell beyond it."""
+    """Return the cell of entry k of the stencil of cell (i, j) of a ring, or (i, j) at an edge."""
     if k == WEST:
         return (i - 1) % n_c, j
     if k == EAST:
@@ -221,9 +221,9 @@ def contact(
     film_thickness : ndarray, shape (n_c, n_a)
         h without the deflection [m], any sign.
     deflection : ndarray, shape (n_c, n_a)
-        Of a coating [m].
+        Deflection of the coating [m].
     steps : ndarray, shape (2, n_c, n_a)
-        Of `profile_steps`.
+        Result of `profile_steps`.
     open_cells : ndarray of bool, shape (n_c, n_a)
         Cells without a film, which touch nothing.
     constants : asperity.ContactConstants
@@ -309,7 +309,7 @@ def contact_changes(slope: Array, film_thickness: Array, deflection: Array):
     Parameters
     ----------
     slope : ndarray, shape (5, n_c, n_a)
-        Of `Contact` [Pa/m], or what stands for it.
+        `slope` of `Contact` [Pa/m], or values that replace it.
     film_thickness, deflection : ndarray, shape (m, n_c, n_a)
         m changes of each [m].
 

@@ -1,30 +1,31 @@
-"""Axial force between skirt and bore, viscous and asperity part, and what sliding costs.
+"""Axial force between skirt and bore, viscous and asperity part, and friction power.
 
-A film has no mass: what it does to the skirt along y is the opposite of what it does to the bore.
-The bore is straight, so that is its shear, with a skirt that slides at V relative to it:
+A film has no mass, so its axial force on the skirt is the opposite of that on the bore. The bore is
+straight, so its axial force is the shear stress on it. The skirt slides at V relative to the bore,
+and the stresses on the skirt, positive towards the head, are
 
 Eq. (F1):  tau_v = -(f c_v V - b_p dp/dy)
 Eq. (F2):  tau_a = -tau_b V / sqrt(V^2 + v0^2)
 
-both on the skirt, their opposites on the bore. Power that sliding costs:
+The friction power is a sum over cells of area A:
 
 Eq. (F3):  P = -sum A V (tau_v + tau_a)
 
 tau_b is the boundary shear stress of `asperity`; c_v, b_p are those of `films` (smooth surfaces:
-mu/h, h/2). f is the film fraction: in the cavitated part only the oil shears [Elrod1981]; with
-`cavity_shear = full_film` f = 1 there. dp/dy is the central difference of face pressures (mean of
-both cells, edge pressure at an edge, an opening's at its end). v0 rounds Coulomb's step at rest, so
-that friction has a derivative.
+mu/h, h/2). f is the film fraction: in the cavitated part only the oil is sheared [Elrod1981]. With
+`cavity_shear = full_film`, f = 1 there. dp/dy is the central difference of face pressures. The
+pressure of a face is the mean of both cells, at an edge that of the edge, and at an opening that of
+the opening. v0 smooths the step of Coulomb friction at rest, so that friction has a derivative.
 
-Why not the shear on the skirt: it differs from Eq. (F1) by h dp/dy, and the pressure on the slope
-of the skirt adds p dh/dy. Both together are d(p h)/dy: in all, the film gives the skirt Eq. (F1)
-and p h at its two ends. That p h is what the pressure beyond an edge puts on the end of the film,
-which has the area of the gap. It belongs to whoever puts that pressure on the piston: over the
-whole section of the bore, pi R^2, it is in there already. With it here as well it would count
-twice, and without a partner on the bore.
+The shear stress on the skirt is not used. It differs from Eq. (F1) by h dp/dy, and the pressure on
+the slope of the skirt adds p dh/dy. The sum of both differences is d(p h)/dy. The total axial force
+of the film on the skirt is therefore Eq. (F1) plus the force p h at both ends. p h is the force of
+the pressure beyond an edge on the end of the film, whose area is that of the gap. A model that
+applies this pressure to the total section of the bore, pi R^2, includes it already. If it were
+included here, it would count twice, and it would have no reaction on the bore.
 
-Valid for a bore that is straight along y; slopes of its profile and distortion, some 1e-4, are
-left out. Asperities press at right angles to the bore.
+The equations are valid for a bore that is straight along y. Slopes of its profile and distortion,
+about 1e-4, are omitted. Asperities press at right angles to the bore.
 
 References
 ----------
@@ -129,7 +130,7 @@ class ForceSlopes(NamedTuple):
 
 @compiled(forceinline=True)
 def _gradients(pressure, area, lower, upper, dy, out):
-    """Axial pressure gradient of each cell of a row from the pressures on its two faces."""
+    """Return the axial pressure gradients of a row of cells from the pressures on both faces."""
     last = pressure.size - 1
     half = 0.5 / dy
     for j in range(1, last):
@@ -149,7 +150,7 @@ def _gradients(pressure, area, lower, upper, dy, out):
 
 @compiled
 def gradients(pressure: Array, area: Array, lower: float, upper: float, dy: float):
-    """Axial pressure gradient of each cell from the pressures on its two faces.
+    """Return the axial pressure gradient of each cell from the pressures on its two faces.
 
     Parameters
     ----------
@@ -171,7 +172,7 @@ def gradients(pressure: Array, area: Array, lower: float, upper: float, dy: floa
 
 @compiled
 def boundary_force(inputs: ShearInputs, turning: Array):
-    """Axial asperity force of each cell, Eq. (F2), or Eq. (F7) of `circumferential`.
+    """Return the axial asperity force of each cell, Eq. (F2), or Eq. (F7) of `circumferential`.
 
     Parameters
     ----------
@@ -194,7 +195,7 @@ def boundary_force(inputs: ShearInputs, turning: Array):
 
 @compiled
 def viscous_force(inputs: ShearInputs):
-    """Viscous force of each cell, Eq. (F1)."""
+    """Return the viscous force of each cell, Eq. (F1)."""
     pressure, shearing, velocity, film, _, area, constants = inputs
     lower, upper, dy, _ = constants
     n_c, n_a = pressure.shape
@@ -225,9 +226,9 @@ def shear_slopes(inputs: ShearInputs, turning: Array, film_slopes: FilmSlopes, b
     turning : ndarray, shape (n_c, n_a)
         W [m/s], 0 on a skirt.
     film_slopes : quantities.FilmSlopes
-        Of `inputs.film`.
+        Derivatives of `inputs.film`.
     by_pressure : ndarray, shape (n_c, n_a)
-        What `ShearSlopes.pressure` holds beside openings too.
+        Part of `ShearSlopes.pressure` that exists next to openings too.
 
     Returns
     -------

@@ -9,14 +9,14 @@ from ..common.grid import Array
 
 @compiled(forceinline=True)
 def interpolate(table: Array, column: int, end: float, x: float):
-    """Value and slope of a tabulated function, for 0 <= x < end.
+    """Return value and slope of a tabulated function, for 0 <= x < end.
 
     Parameters
     ----------
     table : ndarray, shape (cells + 1, 2 * functions)
         Values and slopes of the functions at x = 0 ... end, side by side.
     column : int
-        Column of the function's values; its slopes stand in the next one.
+        Column of the function's values. The next column has its slopes.
     end : float
         Last x of the table.
     x : float

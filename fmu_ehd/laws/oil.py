@@ -61,7 +61,7 @@ VISCOSITY_LAWS = numbered("constant", "vogel_1921", "walther_1931", "two_point")
 
 @compilable
 def low_shear_viscosity(kind: int, x: Any, temperature: Any) -> Any:
-    """mu_0 [Pa s] at a temperature [K] (float or ndarray), Eqs. (O1) to (O3).
+    """Return mu_0 [Pa s] at a temperature [K] (float or ndarray), Eqs. (O1) to (O3).
 
     kind : number in `VISCOSITY_LAWS`; x : constants by their names in `Oil`.
     """
@@ -81,13 +81,13 @@ def low_shear_viscosity(kind: int, x: Any, temperature: Any) -> Any:
 
 @compilable
 def _double_logarithm(viscosity: float) -> float:
-    """lg lg(nu + 0.7) of a kinematic viscosity [m2/s]."""
+    """Return lg lg(nu + 0.7) of a kinematic viscosity [m2/s]."""
     return np.log10(np.log10(1e6 * viscosity + 0.7))
 
 
 @compilable
 def walther_viscosity(a: float, m: float, temperature: Any) -> Any:
-    """Kinematic viscosity [m2/s] at a temperature [K], Eq. (O2).
+    """Return the kinematic viscosity [m2/s] at a temperature [K], Eq. (O2).
 
     >>> nu = walther_viscosity(8.0, 3.1, 373.15)
     >>> print(f"{1e6 * nu:.2f} mm2/s")
@@ -154,7 +154,7 @@ def thinning_law(kind: int, x: Any) -> Thinning:
 
 @compilable
 def _cross_1965(n: float, ratio: Any) -> tuple[Any, Any]:
-    """(mu - m mu_0) / (mu_0 - m mu_0) and its derivative to gamma'/gamma'_c, Eq. (O7)."""
+    """Return (mu - m mu_0) / (mu_0 - m mu_0) and its derivative to gamma'/gamma'_c, Eq. (O7)."""
     power = ratio**n
     factor = 1.0 / (1.0 + power)  # Eq. (O7)
     return factor, -n * power / np.maximum(ratio, 1e-30) * factor**2
@@ -169,7 +169,7 @@ def _carreau_1972(n: float, ratio: Any) -> tuple[Any, Any]:
 
 @compilable
 def _critical_shear_rate(law: Thinning, temperature: Any) -> Any:
-    """gamma'_c [1/s], Eq. (O9)."""
+    """Return gamma'_c [1/s], Eq. (O9)."""
     return 10.0 ** (law.a + law.b * (temperature - ZERO_CELSIUS))  # Eq. (O9)
 
 
@@ -195,7 +195,7 @@ def thinning(law: Thinning, shear_rate: Any, temperature: Any) -> tuple[Any, Any
 
 @compilable
 def _cross_tangent(n: float, ratio: Any) -> tuple[Any, Any]:
-    """d(x F)/dx and its derivative for the F of `_cross_1965` and x = gamma'/gamma'_c."""
+    """Return d(x F)/dx and its derivative for the F of `_cross_1965` and x = gamma'/gamma'_c."""
     power = ratio**n
     factor = 1.0 / (1.0 + power)
     slope = n * power / np.maximum(ratio, 1e-30) * factor**2
@@ -214,7 +214,7 @@ def _carreau_tangent(n: float, ratio: Any) -> tuple[Any, Any]:
 
 @compilable
 def tangent_thinning(law: Thinning, shear_rate: float, temperature: float) -> tuple[float, float]:
-    """mu_t/mu_0 [-] and its derivative [s], Eq. (O10), as `thinning`."""
+    """Return mu_t/mu_0 [-] and its derivative [s], Eq. (O10), as `thinning`."""
     critical = _critical_shear_rate(law, temperature)
     ratio = shear_rate / critical
     if law.kind == SHEAR_THINNING_LAWS.cross_1965:
@@ -287,6 +287,6 @@ class Oil:
         return thinning_law(getattr(SHEAR_THINNING_LAWS, self.shear_thinning_law), self)
 
     def low_shear_viscosity(self, temperature: Array) -> Array:
-        """mu_0 [Pa s] at a temperature [K] (float or ndarray), Eqs. (O1) to (O3)."""
+        """Return mu_0 [Pa s] at a temperature [K] (float or ndarray), Eqs. (O1) to (O3)."""
         kind = getattr(VISCOSITY_LAWS, self.viscosity_law)
         return low_shear_viscosity(kind, self, temperature)

@@ -12,7 +12,7 @@ in both directions. Eq. (O6) is exact where alpha_p and Z do not vary over the f
 temperature field Z belongs to the mean of mu_0 over the cells with a film.
 
 Suction in a full film has p < 0. Eq. (O5) ends at p = -1.96e8 Pa, and a step that needs less is
-discarded. Below this end q goes on straight, so that trials of an iteration stay finite.
+discarded. Below this end q continues linearly, so that trials of an iteration remain finite.
 
 A law holds up to mu/mu_0 = `LARGEST_RATIO`, the viscosity is constant beyond. Without the limit q
 would be bounded and a hard squeeze would have no pressure at all; with it the pressure of any q
@@ -170,7 +170,7 @@ def _roelands_1966(alpha, viscosity, images, table):
 
 @compiled
 def _part(law, k):
-    """Integral of Eq. (O6) over cell k of the table by Gauss points [Pa]."""
+    """Return the integral of Eq. (O6) over cell k of the table by Gauss points [Pa]."""
     half = 0.5 * (law.table[ROW.pressure, k + 1] - law.table[ROW.pressure, k])
     part = 0.0
     for m in range(GAUSS_NODES.size):
@@ -184,7 +184,7 @@ def _part(law, k):
 
 @compiled
 def _ratio_below(law, pressure):
-    """mu/mu_0 [-] and its derivative to p [1/Pa]."""
+    """Return mu/mu_0 [-] and its derivative to p [1/Pa]."""
     if law.kind == PRESSURE_VISCOSITY_LAWS.barus_1893:
         ratio = np.exp(law.alpha * pressure)  # Eq. (O4)
         return ratio, law.alpha * ratio
@@ -197,7 +197,7 @@ def _ratio_below(law, pressure):
 
 @compiled
 def _reduced_below(law, pressure):
-    """q [Pa] of p [Pa]."""
+    """Return q [Pa] of p [Pa]."""
     if law.kind == PRESSURE_VISCOSITY_LAWS.barus_1893:
         return -np.expm1(-law.alpha * pressure) / law.alpha  # Eq. (O6)
     return _read(law.table, ROW.pressure, ROW.reduced, pressure)
@@ -205,7 +205,7 @@ def _reduced_below(law, pressure):
 
 @compiled
 def _pressure_below(law, reduced):
-    """p [Pa] of q [Pa]."""
+    """Return p [Pa] of q [Pa]."""
     if law.kind == PRESSURE_VISCOSITY_LAWS.barus_1893:
         return -np.log1p(-law.alpha * reduced) / law.alpha
     return _read(law.table, ROW.reduced, ROW.pressure, reduced)
@@ -213,7 +213,7 @@ def _pressure_below(law, reduced):
 
 @compiled
 def _read(table, known, wanted, x):
-    """Cubic Hermite interpolation between nodes, straight below the first one."""
+    """Return the cubic Hermite interpolation between nodes, straight below the first one."""
     low = 0
     high = table.shape[1] - 1
     while high - low > 1:
@@ -244,21 +244,21 @@ def _read(table, known, wanted, x):
 
 @compiled
 def viscosity_ratio(law: PressureLaw, pressure: float):
-    """mu/mu_0 [-] at p [Pa] and its derivative to p [1/Pa]."""
+    """Return mu/mu_0 [-] at p [Pa] and its derivative to p [1/Pa]."""
     ratio, slope = _ratio_below(law, min(pressure, law.limit))
     return ratio, slope if pressure < law.limit else 0.0
 
 
 @compiled
 def reduced_pressure(law: PressureLaw, pressure: float):
-    """q [Pa] of p [Pa], Eq. (O6)."""
+    """Return q [Pa] of p [Pa], Eq. (O6)."""
     beyond = max(pressure - law.limit, 0.0)
     return _reduced_below(law, min(pressure, law.limit)) + beyond / LARGEST_RATIO
 
 
 @compiled
 def pressure_of(law: PressureLaw, reduced: float):
-    """p [Pa] of q [Pa]."""
+    """Return p [Pa] of q [Pa]."""
     beyond = max(reduced - law.most, 0.0)
     return _pressure_below(law, min(reduced, law.most)) + beyond * LARGEST_RATIO
 
@@ -268,7 +268,7 @@ def pressure_of(law: PressureLaw, reduced: float):
 
 @compilable
 def reduced_at_edges(law: PressureLaw, pressure: Array) -> Array:
-    """q [Pa] of the pressures at the edges, shape (5,)."""
+    """Return q [Pa] of the pressures at the edges, shape (5,)."""
     return (
         pressure if law.kind == PRESSURE_VISCOSITY_LAWS.none else _reduced_at_edges(law, pressure)
     )
@@ -284,7 +284,7 @@ def _reduced_at_edges(law, pressure):
 
 @compilable
 def true_pressure(law: PressureLaw, reduced: Array) -> TruePressure:
-    """`TruePressure` of a reduced pressure, shape (n_c, n_a) [Pa]."""
+    """Return the `TruePressure` of a reduced pressure, shape (n_c, n_a) [Pa]."""
     if law.kind == PRESSURE_VISCOSITY_LAWS.none:
         return TruePressure(reduced, np.zeros((0, 0)), np.zeros((0, 0)))
     return _true_pressure(law, reduced)
@@ -324,7 +324,7 @@ def raised(quantities: Array, ratio: Array) -> Array:
     ----------
     quantities : ndarray, shape (6, n_c, n_a), or (0, n_c, n_a)
     ratio : ndarray, shape (n_c, n_a)
-        Of `TruePressure`; of shape (0, 0) nothing is raised.
+        `ratio` of `TruePressure`. If its shape is (0, 0), the viscosity does not change.
     """
     if ratio.size == 0 or quantities.shape[0] == 0:
         return quantities

@@ -15,13 +15,13 @@ Shear flow, for Lambda up to 5 and above 5:
 
 Eq. (R3):  Phi_s = A1 Lambda^a1 exp(-a2 Lambda + a3 Lambda^2);   Phi_s = A2 exp(-Lambda/4)
 
-Couette stress, heights (35/96)(1 - (s/3)^2)^3, local films cut off at sigma/100; in overlap the
-local films that are left:
+Couette stress, for the distribution of heights (35/96)(1 - (s/3)^2)^3, without local films below
+sigma/100. In overlap, only the remaining local films count:
 
 Eq. (R4):  phi_f/Lambda = sigma E(1/h_T)
 
-Shear rate of the oil, the mean over the local films that are left; V sliding velocity, h_s the
-harmonic mean of these films, P their share of the area:
+Shear rate of the oil, as the mean over the remaining local films. V is the sliding velocity, h_s
+the harmonic mean of these films, and P their share of the area:
 
 Eq. (R9):  gamma' = V/h_s,   h_s/sigma = P(h_T > 0) / [sigma E(1/h_T)]
 
@@ -33,36 +33,36 @@ Stress of the pressure gradient:
 
 Eq. (R6):  phi_fp = 1 - D exp(-s Lambda)
 
-Skirt (s) and bore (b) have roughness of their own. With the skirt's share Y of the variance, what a
-film is made of (`films`) is
+Skirt (s) and bore (b) have separate roughness. With the skirt's share Y of the variance, the
+factors of the film (`films`) are
 
 Eq. (R7):  phi = Y phi(Lambda, gamma_s) + (1 - Y) phi(Lambda, gamma_b)   of phi_x, phi_y, Phi_fs
 Eq. (R8):  Phi = Y Phi(Lambda, gamma_s) - (1 - Y) Phi(Lambda, gamma_b)   of Phi_s, phi_fp - 1
 
-(R8) of Phi_s is the published one. (R7) is published for equal gamma; the deviations of slight
-roughness add up in the variances, whatever the gammas, so it is exact for Lambda >> 1.
+(R8) of Phi_s is the published one. (R7) is published for equal gamma. For other gammas it is exact
+for Lambda >> 1, because the effects of slight roughness are additive in the variances.
 
 Peklenik number gamma = correlation length along / across the sliding direction: > 1 grooves along,
 < 1 grooves across. The factors are published for seven values of gamma from 1/9 to 9; between them
 the factors (not their coefficients, whose formula changes at gamma = 1) are interpolated linearly
 in ln gamma. Below the published range of Lambda, which starts between 0.5 and 1, phi_x and phi_fp
-keep their value; the others go on by their formula, Phi_s and Phi_fs to 0 at Lambda = 0. In
-overlap, Lambda < 0, (R1) and (R4) hold: the gap that is left of two surfaces pressed together, and
-the drag in it, which ends at Lambda = -3. Below Lambda = -2.7, where the drag is 2e-3 of that at
-Lambda = 0, (R9) keeps its value.
+are constant. The others follow their formula, Phi_s and Phi_fs to 0 at Lambda = 0. In overlap,
+Lambda < 0, (R1) and (R4) are valid. They describe the remaining gap of two surfaces that are
+pressed together, and its drag, which ends at Lambda = -3. Below Lambda = -2.7, where the drag is
+2e-3 of that at Lambda = 0, (R9) is constant.
 
-A bearing slides around its axis: its gamma is the inverse of its parameters, which refer to the
-axis, and the journal takes the part of the skirt. The grid rests on the shell, so that Phi_s of
-(R8) changes its sign. For axial sliding, a bearing has the factors of sliding around.
+A bearing slides around its axis. Its parameters refer to the axis, so gamma is their inverse. The
+journal corresponds to the skirt. The grid is at rest on the shell, so Phi_s of (R8) changes its
+sign. For axial sliding, a bearing has the factors of circumferential sliding.
 
-What confirms the table: (R2) stands in several public sources. The two branches of (R3) meet at
-Lambda = 5 to the printed digits for all seven gamma, which ties six numbers of each row together
-(tests/ehd/test_films.py). For gamma = 1 the open code of R. Boman (github.com/rboman/progs,
-apps/EHD, read for comparison) has the same (R4) to (R6). Its line A2 = 1.0766 - 0.3776 ln gamma,
-fitted through all gamma, passes within 0.11 of every A2 here. For the rows of (R5) and (R6) with
-gamma other than 1 no second source is known, but (R6) follows from (R1) and (R3). One coefficient
-says what a pressure gradient does to a sliding surface, and what sliding carries through the film:
-phi_fp Lambda = h_T/sigma - Phi_s for each gamma within 0.03 Lambda
+The following facts confirm the table. (R2) is in several public sources. The two branches of (R3)
+meet at Lambda = 5 to the printed digits for all seven gamma, which ties six numbers of each row
+together (tests/ehd/test_films.py). For gamma = 1 the open code of R. Boman
+(github.com/rboman/progs, apps/EHD, read for comparison) has the same (R4) to (R6). Its line A2 =
+1.0766 - 0.3776 ln gamma, fitted through all gamma, passes within 0.11 of every A2 here. For the
+rows of (R5) and (R6) with gamma other than 1 no second source is known, but (R6) follows from (R1)
+and (R3): the effect of a pressure gradient on a sliding surface and the flow by sliding have one
+coefficient. For each gamma, phi_fp Lambda = h_T/sigma - Phi_s within 0.03 Lambda
 (tests/ehd/test_values_surfaces.py).
 
 References
@@ -235,7 +235,7 @@ def pressure_flow_factor(separation: float, gamma: float):
 
 @compiled
 def shear_flow_factor(separation: float, gamma: float):
-    """Shear flow factor Phi_s of one rough surface, Eq. (R3), 0 in overlap.
+    """Return the shear flow factor Phi_s of one rough surface, Eq. (R3), 0 in overlap.
 
     >>> print(f"{shear_flow_factor(3.0, 1.0).value:.3f}")
     0.553
@@ -247,7 +247,7 @@ def shear_flow_factor(separation: float, gamma: float):
 
 @compiled
 def mean_inverse_gap(separation: float):
-    """Mean of sigma over the local film, Eq. (R4) in closed form; by moments for Lambda > 30."""
+    """Return the mean of sigma/h, Eq. (R4), in closed form, by moments for Lambda > 30."""
     z = separation / 3.0
     if z > 10.0:
         h = separation
@@ -279,7 +279,7 @@ def mean_inverse_gap(separation: float):
 
 @compiled
 def sheared_gap(separation: float):
-    """Harmonic mean of the local films that are left, over sigma, Eq. (R9)."""
+    """Return the harmonic mean of the remaining local films over sigma, Eq. (R9)."""
     h = max(separation, LEAST_SHARED)
     z = min(h / 3.0, 1.0)
     square = z * z
@@ -302,7 +302,7 @@ def sliding_stress_factor(separation: float, gamma: float):
 
 @compiled
 def pressure_stress_factor(separation: float, gamma: float):
-    """Factor phi_fp of the pressure-gradient stress, Eq. (R6)."""
+    """Return the factor phi_fp of the pressure-gradient stress, Eq. (R6)."""
     k, weight = _place(gamma)
     low = _pressure_stress(COEFFICIENTS[k], separation)
     return _between(low, _pressure_stress(COEFFICIENTS[k + 1], separation), weight)
@@ -320,21 +320,21 @@ def _put(table, k, factor, limit, factor_of):
 
 @compiled
 def _both(share, of_skirt, of_bore):
-    """Eq. (R7)."""
+    """Return Eq. (R7)."""
     value = share * of_skirt.value + (1.0 - share) * of_bore.value  # Eq. (R7)
     return Factor(value, share * of_skirt.slope + (1.0 - share) * of_bore.slope)
 
 
 @compiled
 def _against(share, of_skirt, of_bore, limit):
-    """Eq. (R8) of a factor less its limit."""
+    """Return Eq. (R8) of a factor less its limit."""
     value = share * (of_skirt.value - limit) - (1.0 - share) * (of_bore.value - limit)  # Eq. (R8)
     return Factor(value, share * of_skirt.slope - (1.0 - share) * of_bore.slope)
 
 
 @compiled
 def _drag(h, sliding):
-    """(phi_f + Phi_fs)/Lambda with Phi_fs of both surfaces."""
+    """Return (phi_f + Phi_fs)/Lambda with Phi_fs of both surfaces."""
     inverse = mean_inverse_gap(h)
     if h <= 0.0:
         return inverse
@@ -348,8 +348,8 @@ def factor_table(
 ) -> Array:
     """Return the table of the factors on a uniform grid of Lambda.
 
-    It goes from `TABLE_START` to `TABLE_END`. A bearing slides around its axis, and its grid rests
-    on the bore instead of the skirt, which is the journal.
+    The table is from `TABLE_START` to `TABLE_END`. A bearing slides around its axis. Its grid is
+    fixed to the bore, not to the skirt, which is the journal.
 
     Parameters
     ----------

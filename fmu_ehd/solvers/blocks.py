@@ -16,11 +16,11 @@ The matrix of the film balance is a column-dominant M-matrix, for which eliminat
 is stable [Higham2002, section 13.2]. The index i is a ring, so that west of i = 0 is i = n-1; an
 open grid has zeros there.
 
-Stations are eliminated downstream (back = south, ahead = north, or the other way round): there the
-column of a cavitated cell has nothing but its diagonal, Eq. (B4), and only the m full cells of a
-station cost m^2 n operations instead of n^3. Of S_j^-1 are kept the columns of full cells, as rows
-of length n, and 1/E. Loops go by elements: a view of a row is counted, as every reference is, which
-costs more than the row.
+Stations are eliminated downstream: back = south and ahead = north, or the opposite. In this order
+the column of a cavitated cell contains only its diagonal, Eq. (B4). A station with m full cells
+costs m^2 n operations instead of n^3. Of S_j^-1, the columns of full cells are stored as rows of
+length n, and 1/E. Loops use single elements, because numba counts a reference for each view of a
+row, which costs more than the row.
 
 References
 ----------
@@ -60,7 +60,7 @@ class Factors(NamedTuple):
 
 @compilable
 def no_factors(shape: tuple[int, int]) -> Factors:
-    """Return room for the factors of a grid (n_c, n_a)."""
+    """Return empty factors of a grid (n_c, n_a)."""
     n_c, n_a = shape
     return Factors(
         np.zeros((n_a, n_c, n_c)),
@@ -73,7 +73,7 @@ def no_factors(shape: tuple[int, int]) -> Factors:
 
 @compiled(forceinline=True)
 def _single_pivot(a, k, column):
-    """One Gauss-Jordan step of the whole matrix with the pivot of row k in `column`."""
+    """Take one Gauss-Jordan step of the whole matrix with the pivot of row k in `column`."""
     d = 1.0 / a[k, column]
     a[k, column] = 1.0
     for c in range(a.shape[1]):
@@ -187,8 +187,8 @@ def _schur(stencil, ascending, k, before, factors, row_of, s):
 
     Row a of `s` is the column of the a-th coupled cell, followed by [F' -(E^-1 G)'] of Eq. (B4).
 
-    `before`: the station eliminated before, -1 for none. `row_of` says which row of its columns of
-    S_{j-1}^-1 is that of a cell, -1 where the column has nothing but its diagonal.
+    `before` : the station that was eliminated before, -1 for none. `row_of` : row of each cell in
+    the stored columns of S_{j-1}^-1, -1 if its column contains only the diagonal.
     """
     columns, diagonals, orders, counts, _ = factors
     n = stencil.shape[1]
@@ -224,7 +224,7 @@ def _schur(stencil, ascending, k, before, factors, row_of, s):
 
 @compiled
 def factorise(stencil: Array, ascending: bool, first: int, factors: Factors):
-    """Inverses of the Schur complements S_j, Eqs. (B2), (B4), in the order of elimination.
+    """Return the inverses of the Schur complements S_j, Eqs. (B2), (B4), in elimination order.
 
     Parameters
     ----------
@@ -290,7 +290,7 @@ def factorise_changed(factors: Factors, stencil: Array, lowest: int, highest: in
 
 @compiled(forceinline=True)
 def _multiply(columns, diagonals, orders, m, k, b, out):
-    """out = S_j^-1 b at the k-th station, which has m coupled cells."""
+    """Compute out = S_j^-1 b at the k-th station, which has m coupled cells."""
     n = b.size
     for r in range(n):
         out[r] = diagonals[k, r] * b[r]
@@ -366,7 +366,7 @@ def substitute_one(factors: Factors, stencil: Array, right: Array):
 
 @compiled
 def _multiply_many(factors, k, b, out):
-    """out = S_j^-1 b^T as rows, shape (m, n_c), by one matrix product."""
+    """Compute out = S_j^-1 b^T as rows, shape (m, n_c), by one matrix product."""
     columns, diagonals, orders, counts, _ = factors
     coupled = np.empty((len(b), counts[k]))
     for q in range(len(b)):
@@ -380,7 +380,7 @@ def _multiply_many(factors, k, b, out):
 
 @compiled
 def _substitute_many(factors, stencil, ascending, right):
-    """`substitute`, up to round-off, in 0.6 of its time for 130 right-hand sides."""
+    """Do the same as `substitute`, up to round-off, in 0.6 of its time for 130 right-hand sides."""
     many, n, stations = right.shape
     back = stencil[SOUTH] if ascending else stencil[NORTH]
     ahead = stencil[NORTH] if ascending else stencil[SOUTH]
@@ -439,7 +439,7 @@ class BlockTridiagonal:
         self.stencil = stencil
 
     def solve(self, right: Array) -> Array:
-        """Solution of Eq. (B1) for right-hand sides of shape (m, n_c, n_a), which it overwrites."""
+        """Return the solution of Eq. (B1); overwrite the right-hand sides, (m, n_c, n_a)."""
         solve = substitute if len(right) < 8 else _substitute_many
         solve(self.factors, self.stencil, self.factors.direction[0] > 0.0, right)
         return right

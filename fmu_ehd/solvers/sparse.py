@@ -66,7 +66,7 @@ class FivePointPattern:
         self._size = cell.size
 
     def matrix(self, stencil: Array):
-        """Compressed matrix of a stencil, shape (5, n_c, n_a)."""
+        """Return the compressed matrix of a stencil, shape (5, n_c, n_a)."""
         values = np.ravel(stencil)[self._order]  # Eq. (B1)
         return self._kind((values, self._indices, self._indptr), shape=(self._size, self._size))
 

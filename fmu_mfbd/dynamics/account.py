@@ -25,18 +25,20 @@ def account(
     others: tuple[np.ndarray, np.ndarray],
     axial_work: float,
 ) -> EnergyAccount:
-    """Compute the energy that the bodies took from the film over a step, from their motion.
+    """Compute the energy that the film gave the bodies in a step, from their motion.
 
     Eq. (D14):  E = T_1 - T_0 - (q_1 - q_0) . (O_0 + O_1)/2 + h (axial power)
     Eq. (D16):  Z = max(T_0, T_1) + |q_1 - q_0| . (|O_0| + |O_1|)/2
 
-    What they hold more of and what other forces took, Eq. (D15), by the trapezoidal rule. It does
-    not go by the film's forces: where a time integrator returns a stop as a rebound E shows it. An
-    integrator errs by a share of Z, and not of what the film did: in free flight that is nothing.
-    After an impact, Eq. (N7), O_0 has the acceleration that the step starts from: the film counts
-    all of its force at the start, but less of it drives the bodies, and O_0 holds the difference.
-    T holds the rod that swings with x_A (Eq. (K12)): a stop throws it too, and its inertia among
-    the O, up and gone within a step, would pass for energy.
+    It is the change of kinetic energy minus the work of the other forces O, Eq. (D15), by the
+    trapezoidal rule. It does not use the film's forces, so E shows if a time integrator returns a
+    stop as a rebound. The error of an integrator is a share of Z, not of the work of the film,
+    which is zero in free flight.
+
+    After an impact, Eq. (N7), O_0 corresponds to the acceleration with which the step starts. The
+    film counts its total force at the start, but less of it drives the bodies, and O_0 contains the
+    difference. T contains the rod that swings with x_A (Eq. (K12)), because a stop moves it too. If
+    its inertia were part of O, which exists only within the step, it would appear as energy.
 
     Parameters
     ----------
@@ -47,7 +49,7 @@ def account(
     others : (ndarray, ndarray)
         O_0, O_1, shape (n,).
     axial_work : float
-        Of the film along the bore's axis [J].
+        Work of the film along the bore's axis [J].
 
     Returns
     -------

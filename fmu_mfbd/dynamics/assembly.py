@@ -1,4 +1,4 @@
-"""From reduced bodies and parameters to the model that runs."""
+"""Assembly of the model from reduced bodies and parameters."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

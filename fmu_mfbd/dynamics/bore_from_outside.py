@@ -22,16 +22,16 @@ from .system import BodySystem
 
 
 class OutsideBore(NamedTuple):
-    """Reading of a field (n, s) on the bore, at n angles as of `cell_centres` and s heights.
+    """Interpolation of a field (n, s) on the bore, at n angles as of `cell_centres` and s heights.
 
     Parameters
     ----------
     around : ndarray, shape (c, n)
-        From its angles to those of the film grid [-].
+        Matrix A_theta from its angles to those of the film grid [-].
     along : ndarray, shape (s + 2, s)
-        From its heights to spline coefficients [-].
+        Matrix A_y from its heights to spline coefficients [-].
     wall : BoreWall
-        The bore as gas pushes it, every height a mode of 1 m.
+        Loads of gas on the bore. Every height is a mode with a deflection of 1 m.
     """
 
     around: np.ndarray
@@ -56,7 +56,7 @@ class OutsideBore(NamedTuple):
 def outside_bore(
     shape: tuple[int, int], film_angles: int, heights: np.ndarray, radius: float, rings: BoreWall
 ) -> OutsideBore:
-    """Return the rules by which a bore's field is read.
+    """Return the interpolation of a field on the bore.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def outside_bore(
     heights : ndarray, shape (s,)
         Equally spaced, above the crank axis [m].
     radius : float
-        Of the bore [m].
+        Radius of the bore [m].
     rings : BoreWall
         Heights of the rings and the share of the land.
     """
@@ -82,17 +82,18 @@ def outside_bore(
     )
 
 
-def periodic_rule(angles: int, wanted: int) -> np.ndarray:
-    """Return the matrix from values at `angles` angles to those at `wanted` ones, (wanted, angles).
+def periodic_rule(angles: int, film_angles: int) -> np.ndarray:
+    """Return the matrix from values at `angles` to those at `film_angles`, (film_angles, angles).
 
-    Both are angles of `cell_centres`. It is the periodic cubic spline through all values.
+    Both are numbers of angles as of `cell_centres`. The matrix is that of the periodic cubic spline
+    through all values.
 
     Eq. (H22):  (c_(i-1) + 4 c_i + c_(i+1))/6 = value_i,   i modulo n;   read by Eq. (H5)
     """
     from scipy.interpolate import CubicSpline  # slow to import, and few bores are from outside
 
     at, _ = cell_centres(angles, 1, 0.0, 1.0)
-    to, _ = cell_centres(wanted, 1, 0.0, 1.0)
+    to, _ = cell_centres(film_angles, 1, 0.0, 1.0)
     values = np.eye(angles)[np.arange(angles + 1) % angles]
     closed = np.append(at, at[0] + 2 * np.pi)
     return CubicSpline(closed, values, bc_type="periodic")(to)  # Eq. (H22)
@@ -139,7 +140,7 @@ def film_on_bore(
     guide_height : float
         Height at which the bore is read [m].
     pressure_force : ndarray, shape (cells,)
-        Of all surfaces, stacked [N].
+        Pressure forces on the cells of all surfaces, stacked [N].
     """
     angles, knots = len(bore.around), len(bore.along)
     on_all = np.zeros((knots, angles))

@@ -1,4 +1,4 @@
-"""What is decided when the FMU is built, as its build.json holds it."""
+"""Build options of the body FMU, which its build.json contains."""
 
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from types import UnionType
@@ -20,7 +20,7 @@ class PistonOptions:
     Parameters
     ----------
     file : str
-        Of the reduced body, among the FMU's resources.
+        File of the reduced body in the FMU's resources.
     modes : int
     pin_offset : float
         x of pin point A from the skirt's axis [m].
@@ -55,13 +55,13 @@ class BlockOptions:
     Parameters
     ----------
     file : str
-        Of the reduced body, among the FMU's resources.
+        File of the reduced body in the FMU's resources.
     modes : int
     orders : tuple of BoreOrder
     profiles : tuple of MeasuredShape
         Widenings that add to those orders.
     bore_from_outside : BoreGrid, optional
-        Where another participant says how the bore deflects; None: the modes do.
+        Grid on which another participant gives the deflection of the bore. None: modes give it.
     hot : HotShape, optional
         On the table of the bore.
     is_hot : bool
@@ -118,7 +118,7 @@ class WallTemperatures:
 
 @dataclass(frozen=True)
 class SurfaceOptions:
-    """A film surface: rows of the film grid that a film of its own takes.
+    """A film surface: rows of the film grid that belong to a separate film.
 
     Parameters
     ----------
@@ -151,11 +151,11 @@ class FloatingPin:
     grid : (int, int)
         Cells around and along each shell.
     boss_length, small_end_length : float
-        Of one boss and of the rod's eye, along the pin [m].
+        Lengths of one boss and of the rod's eye along the pin [m].
     bosses : str
         File of the piston's modes in its bosses, among the FMU's resources; "" of a rigid piston.
     pin_shapes : int
-        In which the pin tilts and bends; 0: it stays parallel to its shells.
+        Number of shapes in which the pin tilts and bends. 0: it remains parallel to its shells.
     small_end : str
         File of the modes of the rod's eye, among the FMU's resources; "" of a rigid eye.
     small_end_modes : int
@@ -200,7 +200,7 @@ class CrankBearing:
 
 @dataclass(frozen=True)
 class InSpace:
-    """Inertia of a rigid piston that moves in space, beside that in its plane.
+    """Inertia of a rigid piston that moves in space, in addition to that in its plane.
 
     Parameters
     ----------
@@ -234,9 +234,9 @@ class BuildOptions:
     gas : GasTable, optional
         Added to the input `gas_pressure`, unless the parameter `gas_source` chooses one of both.
     speed : SpeedTable, optional
-        In place of the input `crank_speed`.
+        Table that replaces the input `crank_speed`.
     start : StartState, optional
-        In place of the parameters start_*.
+        State that replaces the parameters start_*.
     skirt : list of list of int, optional
         Cells of the film grid with the skirt under them (1) and without (0), one row a
         circumferential cell, for who builds a film to it; None where it is not known, or whole.

@@ -15,12 +15,12 @@ PIN_SHARE = 0.25
 """Radius of a pin that is not given, by that of the skirt: our own choice, as for `new`."""
 
 PIN_TO_SHELL = 0.02
-"""How far the radius of a pin may lie beside that of bosses and eye in their meshes, by it: our own
-choice.
+"""Largest difference between the radius of a pin and those of bosses and eye in their meshes,
+relative to it: our own choice.
 """
 
-TURN = 721
-"""Crank angles of a turn at which the skirt has to be in the bore."""
+CRANK_ANGLES = 721
+"""Number of crank angles of a revolution at which the skirt has to be in the bore."""
 
 OTHER_FRICTION = "{name}: expected 0 with a floating pin, got {{a}}; its films have the friction"
 ODD_FORCE = (
@@ -130,8 +130,8 @@ def check(fit: Fit, p: Settings, lacks_gas: bool, faults: np.ndarray) -> None:
         check_crank(fit, p, faults)
     lowest = np.inf
     highest = -np.inf
-    for k in range(TURN):
-        turn = 2 * np.pi * k / (TURN - 1)
+    for k in range(CRANK_ANGLES):
+        turn = 2 * np.pi * k / (CRANK_ANGLES - 1)
         height = pin_height(turn, offset, p.crank_radius, p.rod_length)
         lowest = min(lowest, height)
         highest = max(highest, height)

@@ -38,7 +38,7 @@ The last one is that of its height, -1 if it has none.
 OF_SLIDE = np.array([FORCE_ELEMENTS.index(one) for one in SLIDES.values()], dtype=np.int64)
 WAYS = np.array([one.frees[name] for name, one in SLIDES.items()], dtype=float).reshape(-1, 2)
 """Element of each of `SLIDES`, and its direction."""
-MOST = max((len(one.names()) for one in FORCE_ELEMENTS), default=0)
+MOST_PARAMETERS = max((len(one.names()) for one in FORCE_ELEMENTS), default=0)
 
 
 @compilable
@@ -51,7 +51,7 @@ def cylinder_laws(p: Settings, slides: np.ndarray) -> CylinderLaws:
         exists[OF_SLIDE[slide]] = 1
     for k in range(COUNT):
         n += exists[k]
-    kind, numbers, height = np.empty(n, np.int64), np.zeros((n, MOST)), np.zeros(n)
+    kind, numbers, height = np.empty(n, np.int64), np.zeros((n, MOST_PARAMETERS)), np.zeros(n)
     out = CylinderLaws(kind, np.empty(n, np.int64), np.empty(n, np.int64), height, numbers)
     at = 0
     for k in range(COUNT):

@@ -16,9 +16,9 @@ class EnergyLedger(NamedTuple):
     Parameters
     ----------
     kinetic, elastic : float
-        Of the motion across the bore, rocking and all modes; of all modes [J].
+        Kinetic energy of lateral motion, rocking and all modes; elastic energy of all modes [J].
     film_work : float
-        Of the film on both bodies over the step [J].
+        Work of the film on both bodies in the step [J].
     error : float
         e of Eq. (D10) [J].
     axial_work : float

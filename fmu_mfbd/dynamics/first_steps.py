@@ -1,4 +1,4 @@
-"""The first steps of the bodies: backward Euler, which remembers nothing of a start under load.
+"""The first steps of the bodies by backward Euler, which does not use the start acceleration.
 
 References
 ----------
@@ -18,12 +18,11 @@ def first_steps(step: float) -> Coefficients:
 
     Eq. (N8):  q'_1 = q'_0 + h q''_1,  q_1 = q_0 + h q'_1
 
-    What is known at the start are the forces of a film that was not squeezed yet. Under a load, as
-    of friction at the pin at top dead centre, they ask for an acceleration that the film takes back
-    within a microsecond or so; remembered over a step it rings, and passes for an impact
-    (Eq. (N7)). Backward Euler remembers nothing: after one step of it velocities are those that the
-    film allows, after two so are accelerations, and order 2 of the steps that follow is kept
-    [Rannacher1984].
+    The forces at the start are those of a film without squeeze. Under a load, for example pin
+    friction at top dead centre, they give an acceleration that the film stops within about a
+    microsecond. A method that uses this acceleration over a step oscillates, which looks like an
+    impact (Eq. (N14)). Backward Euler does not use it. After one step the velocities agree with the
+    film, and after two steps the accelerations. The following steps keep order 2 [Rannacher1984].
 
     Parameters
     ----------

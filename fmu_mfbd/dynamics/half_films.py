@@ -1,7 +1,7 @@
-"""Half of the films of a skirt, if they and the bodies are their own mirror image.
+"""Half of the films of a skirt, if films and bodies are symmetric about the thrust plane.
 
-The image is that about the thrust plane. Kernels and motion are those of the whole films. Only the
-grids are halves, from the thrust line to the anti-thrust line.
+Kernels and motion are those of the whole films. Only the grids are halves, from the thrust line to
+the anti-thrust line. The odd part of a field is half of its difference from its mirror image.
 """
 
 from collections.abc import Sequence
@@ -33,7 +33,7 @@ ODD_MODE = 1e-6
 def half_films(
     films: Sequence[FilmSurface], bodies: Sequence[ReducedBody], start: StartState | None = None
 ) -> tuple[FilmSurface, ...]:
-    """Return one half of film surfaces in a common bore, none if they are not symmetric.
+    """Return one half of the film surfaces in a common bore, () if they are not symmetric.
 
     Parameters
     ----------
@@ -156,14 +156,14 @@ def is_half(surface: FilmSurface) -> bool:
 
 @compilable
 def check_half(surfaces: np.ndarray, p: Settings, faults: np.ndarray) -> None:
-    """Note that one half of the films is demanded, and that they are whole."""
+    """Note a fault if one half of the films is demanded, but the films are whole."""
     if p.film_symmetry == THRUST_PLANE and not is_half(surface_at(surfaces, 0)):
         refuse(faults, FAULT.no_half, 0.0, 0.0, p.pin_tilt, 0.0, 0.0)
 
 
 @compiled
 def check_even(surfaces: np.ndarray, forces: NodalForces, faults: np.ndarray) -> None:
-    """Note forces on films of which one half is computed that are not their own mirror image.
+    """Note a fault if one half of a film is computed, but the forces on it are not symmetric.
 
     Parameters
     ----------

@@ -36,9 +36,9 @@ class Instant(NamedTuple):
     Parameters
     ----------
     end : Motion
-        Of all coordinates as of `mechanism.cylinder`, and derivatives in time.
+        All coordinates in the order of `mechanism.cylinder`, and their time derivatives.
     next_start : Motion
-        What the next step starts from: `end` except after an impact (Eq. (N7)).
+        Start of the next step. It differs from `end` only after an impact (Eq. (N7)).
     auxiliary : ndarray, shape (n,)
         The time integrator's auxiliary acceleration.
     ledger : EnergyLedger
@@ -50,23 +50,23 @@ class Instant(NamedTuple):
     guide_height : float
         Height at which the bore is read: that of A when x_A = 0 [m].
     side_force : float
-        Of the piston on the bore through all films [N].
+        Force of the piston on the bore through all films [N].
     films : SkirtFilms
     axial : AxialMotion
-        Of A.
+        Axial motion of A.
     pin_x, pin_y, pin_moment, torque : float
         Pin force on the piston [N], friction of the pin on it [N m], drive torque on the crank
         without its own inertia [N m].
     pin_friction_power : float
-        What that friction turns into heat [W].
+        Heat of that friction [W].
     element_power : float
-        Of force elements with laws (Eq. (D69)) [W].
+        Power of the force elements with laws (Eq. (D69)) [W].
     evaluations, tangents, change : int, int, float
         As of `mechanism.solution.ChainSolution`.
     longest_step : float
         Eq. (N12) [s].
     pin_film_thickness, circumferential_velocity : ndarray, shape (pin cells,)
-        Of all films of pin and crank, stacked [m], [m/s] (Eq. (H7)).
+        Fields of all films of pin and crank, stacked [m], [m/s] (Eq. (H7)).
     pin_work_error : ndarray, shape (films,)
         Power of each of them on its grid minus that in the coordinates, relative [-].
     pin_scalars : ndarray
@@ -114,7 +114,7 @@ def end_of_step(
     ----------
     of : BodySystem
     step : StepProblem
-        Of the coordinates of `mechanism.cylinder`.
+        Problem in the coordinates of `mechanism.cylinder`.
     skirt_forces : NodalForces
         On all film grids of the skirt at its end, stacked [N].
     forces : PinForces
@@ -282,7 +282,7 @@ def elastic_energy(of: BodySystem, position: np.ndarray) -> float:
 
 @compilable
 def load_of(system: BodySystem, films: FilmForces, others: OtherForces) -> Load:
-    """Return the load on the piston, all but the pin's, and of films on modes.
+    """Return the load on the piston except that of the pin, and the load of films on modes.
 
     Eq. (D8):  moment about A = (gas - F_y)(pin offset + x_A) + M
 

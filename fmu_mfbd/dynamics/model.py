@@ -46,16 +46,16 @@ from .system import NO_RINGS, RingForce, StepProblem
 from .thermal_growth import FieldInputs, warm_walls
 
 MOTION = ("lateral_velocity", "rocking_velocity", "piston_velocity")
-"""Scalar outputs whose derivatives are known beside those of the films' fields."""
+"""Scalar outputs with derivatives, in addition to the fields of films."""
 
 ON_BLOCK = ("force_on_block_x", "force_on_block_y", "moment_on_block")
-"""Outputs of a mounted block whose derivatives are known."""
+"""Outputs with derivatives if the block is mounted."""
 
 BEARINGS = ("main_bearing_force_x", "main_bearing_force_y")
-"""Likewise, beside those, of one that deflects."""
+"""Forces of the main bearing on the block."""
 
 ON_FLEXIBLE_BLOCK = (*BEARINGS, "force_on_bore", "force_on_deck")
-"""All that are known beside those."""
+"""Further outputs with derivatives if the mounted block deflects."""
 
 OIL = "oil_temperature"
 """Output field of a film whose walls have temperatures. Forces do not change it."""
@@ -63,15 +63,15 @@ OIL = "oil_temperature"
 NO_FIELD = np.zeros(0)
 """Temperature of a wall without a field input."""
 
-UNYIELDING = 1e30
-"""Stiffness of modes that follow statically if they shall not, by their own."""
+LOCKED_STIFFNESS = 1e30
+"""Factor of the stiffness of quasi-static modes that locks them."""
 
 NOT_CARRIED = np.zeros(len(Carrier._fields))
 """No change of the block's motion."""
 
 
 class MotionNotSolved(RuntimeError):
-    """The step's equations could not be solved; the message says where and how far it got."""
+    """The equations of a step were not solved. The message states time, residual and position."""
 
 
 @dataclass(frozen=True)
@@ -95,11 +95,11 @@ class Inputs:
     land_pressure : float
         Between the rings, gauge [Pa].
     pins : tuple of PinForces
-        Of the films of a floating pin.
+        Forces of the films of a floating pin.
     carrier : Carrier
         Motion of a mounted block.
     bore_deflection : ndarray, shape (n, s)
-        Of a bore whose deflection comes from outside [m].
+        Radial deflection of the bore if another participant gives it [m].
     piston_temperature, bore_temperature : float
         [K]
     skirt_field, bore_field : ndarray
@@ -134,7 +134,7 @@ class PistonInBore:
     options : BuildOptions
         Names and shapes of the films' fields, and absent outputs.
     outside : OutsideBore, optional
-        How a bore is read whose deflection comes from outside.
+        Interpolation of a bore deflection that another participant gives.
     """
 
     IN_SPACE = False
@@ -219,7 +219,7 @@ class PistonInBore:
         """Return the same model without deformation of the modes that follow statically."""
         chain = self.chain
         static = self.system.kinds[chain.joints.tip.shape[1] :] == STATIC
-        stiffness = np.where(static, UNYIELDING, 1.0) * chain.bodies.stiffness
+        stiffness = np.where(static, LOCKED_STIFFNESS, 1.0) * chain.bodies.stiffness
         stiff = chain._replace(bodies=chain.bodies._replace(stiffness=stiffness))
         model = copy(self)
         model.model = self.model._replace(parts=self.system._replace(chain=stiff))

@@ -130,7 +130,7 @@ class MountedMonoblock:
     ----------
     body : ReducedMonoblock
     stiffness : ndarray, shape (m, 3)
-        Of the mounts along x, y, z [N/m].
+        Stiffness of the mounts along x, y, z [N/m].
     p : BlockParameters
     """
 

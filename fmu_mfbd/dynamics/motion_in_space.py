@@ -77,13 +77,14 @@ class SpaceBodies(NamedTuple):
     pin_mass : float
         [kg]
     pin_inertia : float
-        Of the pin about a diameter, at A [kg m2].
+        Moment of inertia of the pin about a diameter at A [kg m2].
     tilt : float
         Held roll of the rod's eye [rad]: the coordinate roll counts from it.
     pin_offset : float
         x of A from the skirt's axis [m].
     along, askew : Stop
-        Of rod and bosses along the pin; of the pin in the rod's eye, about any axis across it.
+        Stops between rod and bosses along the pin, and of the pin in the rod's eye about any axis
+        across it.
     """
 
     piston: SpaceBody
@@ -117,7 +118,7 @@ class Spin(NamedTuple):
     Parameters
     ----------
     acceleration : ndarray
-        Of A in space [m/s2].
+        Acceleration of A in space [m/s2].
     tilt : ndarray
         Rotation of the body in these axes, small [rad].
     velocity, change : ndarray
@@ -140,13 +141,14 @@ class SpaceImbalance(NamedTuple):
     on_piston : ndarray, shape (2,)
         Force of the pin on the piston, along x and y [N].
     pin_moment : float
-        Of pin friction on the piston [N m].
+        Moment of pin friction on the piston [N m].
     from_rod : ndarray, shape (2,)
         Force of the rod on the pin, along x and y [N].
     out_of_plane : ndarray, shape (3,)
-        Of the rod on the pin: force along z of stop and damper [N], moments about x and y [N m].
+        Action of the rod on the pin: force of stop and damper along z [N], moments about x and y [N
+        m].
     torque : float
-        Of the drive on the crank [N m].
+        Torque of the drive on the crank [N m].
     on_block : ndarray, shape (3,)
         As of `ChainForces` [N], [N m].
     motion : ChainMotion
@@ -296,7 +298,7 @@ def imbalance(
     pull = on_piston + bodies.pin_mass * at.acceleration[last, :TURN]
     q = now.position
     roll, z, arm = spin.tilt[0], q[SHIFT], bodies.pin_offset + q[LATERAL]
-    holding, (load_z, load_roll, load_yaw) = _held(bodies, now), load.across
+    holding, (load_z, load_roll, load_yaw) = _stop_forces(bodies, now), load.across
     carried = bodies.pin_mass * now.acceleration[SHIFT]
     out_of_plane = np.array(
         [
@@ -330,8 +332,8 @@ def _square(load, pull, tilt):
 
 
 @compiled
-def _held(bodies, now):
-    """Return what holds z, roll and yaw, (3,)."""
+def _stop_forces(bodies, now):
+    """Return the forces of the stops in z, roll and yaw, (3,) [N], [N m]."""
     q, v = now.position, now.velocity
     along = stop_force(bodies.along, q[SHIFT:ROLL], v[SHIFT:ROLL])
     return np.concatenate((along, stop_force(bodies.askew, q[ROLL:], v[ROLL:])))
@@ -384,7 +386,7 @@ def forces_on_block(
     bodies, load, now
         As for `imbalance`.
     imbalance : SpaceImbalance
-        Of the same motion.
+        Imbalance of the same motion.
 
     Returns
     -------

@@ -240,8 +240,8 @@ Settings.__annotations__ = dict.fromkeys(Settings._fields, float)
 """`Parameters` and those of pin and crank, as kernels know them: floats, 0 if absent."""
 
 
-def taken(kind: type[Kind], values: Mapping[str, Any]) -> Kind:
-    """Return the parameters of a class from values by name, default where there is none."""
+def parameters_from(kind: type[Kind], values: Mapping[str, Any]) -> Kind:
+    """Return the parameters of a class from values by name; the others have their defaults."""
     return kind(**{name: values[name] for name in vars(kind()) if name in values})
 
 

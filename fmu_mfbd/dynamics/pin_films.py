@@ -1,7 +1,7 @@
-"""All films of pin and crank: forces on the bodies, thickness, velocity, and what changes them.
+"""All films of pin and crank: forces on the bodies, thickness and velocity, and their derivatives.
 
-Films stand in the order of `PIN_SURFACES` and `CRANK_SURFACES`, as the first elements of the chain;
-their fields are stacked, as the skirt's are.
+Films have the order of `PIN_SURFACES` and `CRANK_SURFACES`. They are the first force elements of
+the chain. Their fields are stacked, as those of the skirt.
 """
 
 from typing import Any, NamedTuple
@@ -109,7 +109,7 @@ def applied_forces(
     load : Load
         On the piston, without its pin, and on the modes of piston and block.
     forces : PinForces
-        Of all films of pin and crank, stacked [N].
+        Nodal forces of all films of pin and crank, stacked [N].
     pushes : ndarray
         `film_pushes` of them.
     """
@@ -190,7 +190,7 @@ class PinFilmState(NamedTuple):
     widening : ndarray, shape (films, 2)
         `diameters` of all shells [m].
     friction_power : float
-        Of the films of the pin [W].
+        Friction power of the films of the pin [W].
     driven : float
         Power on rod and crank, whose angles are no coordinates [W].
     """

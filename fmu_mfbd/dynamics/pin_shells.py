@@ -1,4 +1,4 @@
-"""Where the pin and the journals of the crank are in their shells, and how both turn."""
+"""Position and rotation of the pin and of the journals of the crank in their shells."""
 
 from typing import NamedTuple
 
@@ -20,11 +20,11 @@ class Shell(NamedTuple):
     axes : ndarray, shape (2, 2)
         R(chi), by the angle that the shell has turned.
     place, velocity : ndarray, shape (2,)
-        Of the pin's axis from the shell's, in space [m], [m/s].
+        Position and velocity of the pin's axis relative to the shell's, in space [m], [m/s].
     own_turning, turning : float
         chi' of the shell, phi' - chi' of the pin in it [rad/s].
     bent : ModeMotion
-        Of the pin, in space; no shapes of a journal of the crank, which stays parallel.
+        Motion of the pin's shapes, in space. A journal of the crank has no shapes.
     """
 
     axes: np.ndarray

@@ -36,7 +36,7 @@ class StepEnd(NamedTuple):
     guide_height : float
         Height at which the bore is read [m].
     now : Motion
-        Of all coordinates.
+        Motion in all coordinates.
     crank : CrankMotion
     linear : Linearisation
     """
@@ -58,7 +58,7 @@ class StepInputs(NamedTuple):
     gas_pressure, crankcase_pressure, land_pressure : float
         Gauge pressures on the crown, below the piston and between the rings [Pa].
     skirt, pins : NodalForces, PinForces
-        Of all films, stacked [N].
+        Nodal forces of all films, stacked [N].
     rings : RingForce
     carrier : Carrier
         Motion of a mounted block.
@@ -92,11 +92,11 @@ class Response(NamedTuple):
     Parameters
     ----------
     film_thickness, sliding_velocity : ndarray, shape (cells,)
-        Of all surfaces of the skirt, stacked [m], [m/s].
+        Fields of all surfaces of the skirt, stacked [m], [m/s].
     lateral_velocity, rocking_velocity, piston_velocity : float
         [m/s], [rad/s], [m/s]
     pin_film_thickness, circumferential_velocity : ndarray, shape (pin cells,)
-        Of all films of pin and crank, stacked [m], [m/s].
+        Fields of all films of pin and crank, stacked [m], [m/s].
     on_block : BlockForce
     """
 
@@ -128,7 +128,7 @@ class PushedMotion(NamedTuple):
     Parameters
     ----------
     acceleration : ndarray, shape (n,)
-        Of all coordinates.
+        Accelerations of all coordinates.
     load : Load
         On the piston.
     on_block : ndarray, shape (3,)
@@ -146,12 +146,12 @@ class MovedFilms(NamedTuple):
     Parameters
     ----------
     moved : Motion
-        Of all coordinates.
+        Change of the motion in all coordinates.
     bodies : MotionChanges
     rising : float
-        Of the piston's velocity [m/s].
+        Change of the piston's velocity [m/s].
     skirt, pins : FilmChange
-        Of all films, stacked.
+        Changes of all films, stacked.
     """
 
     moved: Motion

@@ -181,15 +181,15 @@ def skirt_films(
     ----------
     system : BodySystem
     guide : AxialMotion
-        Where the bore is read: of A when x_A = 0.
+        Axial motion of A for x_A = 0, at which the bore is read.
     forces : NodalForces
         Stacked [N].
     parts : FilmParts
-        Of these forces.
+        Parts of these forces.
     axial_velocity : float
-        Of A [m/s].
+        Axial velocity of A [m/s].
     position, velocity : ndarray, shape (n,)
-        Of x_A, rocking angle, modes of piston and block.
+        Coordinates x_A, rocking angle, modes of piston and block, and their rates.
     """
     thickness = np.empty(len(forces.pressure))
     sliding_velocity = np.empty(len(forces.pressure))
@@ -323,7 +323,7 @@ def work_error(
     axial_velocity, guided_velocity : float
         Velocity of A, and of the height at which the bore is read [m/s].
     velocity : ndarray, shape (n,)
-        Of all coordinates.
+        Rates of all coordinates.
     """
     work = forces.axial * axial_velocity + film.axial_force * guided_velocity
     size = abs(forces.axial * axial_velocity) + abs(film.axial_force * guided_velocity)

@@ -51,8 +51,8 @@ from .skirt_films import (
 from .step import StepResult
 from .system import StepProblem
 
-PASSES = 60
-"""Most iterations of Newton's method; four are usual."""
+MOST_ITERATIONS = 60
+"""Maximum number of iterations of Newton's method. Four are usual."""
 
 
 class SpaceSolution(NamedTuple):
@@ -265,7 +265,7 @@ class PistonInSpace(PistonInBore):
         share = 1.0
         slope = None
         tangents = 0
-        for evaluation in range(1, PASSES + 1):
+        for evaluation in range(1, MOST_ITERATIONS + 1):
             end = Motion(
                 predicted.position + c.to_position * acceleration,
                 predicted.velocity + c.to_velocity * acceleration,
@@ -275,9 +275,9 @@ class PistonInSpace(PistonInBore):
             if slope is None:
                 slope = tangent(self.bodies, load, end, crank, c.to_velocity, c.to_position)
                 tangents += 1
-            fresh = np.linalg.solve(slope, forces.residual)
+            next_change = np.linalg.solve(slope, forces.residual)
             size = np.abs(acceleration).max()
-            left = np.abs(fresh).max()
+            left = np.abs(next_change).max()
             # what grows again, or does not fall by ten, is round-off of forces that cancel
             if left <= 1e-13 * size or (change <= 1e-7 * size and left >= 0.1 * change):
                 return SpaceSolution(
@@ -294,7 +294,7 @@ class PistonInSpace(PistonInBore):
                 continue
             if left > 0.1 * change:
                 slope = None
-            step = fresh
+            step = next_change
             share = 1.0
             change = left
             acceleration = acceleration - step

@@ -46,7 +46,7 @@ def speed_table(
     cycle : float
         Angle after which a table over angle repeats [rad].
     unit, speed_unit : float
-        What 1 in the columns means [s] or [rad], [rad/s].
+        Size of 1 in the columns: [s] or [rad], and [rad/s].
 
     Returns
     -------

@@ -27,7 +27,7 @@ class StartState:
     modal_coordinate, modal_velocity : ndarray, shape (k,)
         Piston, then block [kg^1/2 m], [kg^1/2 m/s]; empty for rigid bodies.
     bearing_coordinate, bearing_velocity : ndarray, shape (n,)
-        Those of pin, crank and their shells; empty without their films.
+        Coordinates of pin, crank and their shells, and their rates. Empty without their films.
     """
 
     crank_angle: float
@@ -109,9 +109,9 @@ def check_start(start: StartState, modes: int, bearings: int) -> None:
     each = zip(
         FIELDS, (modes, modes, bearings, bearings), ("mode", "mode", "coordinate", "coordinate")
     )
-    for key, wanted, of in each:
-        if len(values := getattr(start, key)) != wanted:
+    for key, unit, of in each:
+        if len(values := getattr(start, key)) != unit:
             raise ValueError(
-                f"start: expected {wanted} values of {key}, one per {of}, got {len(values)}; "
+                f"start: expected {unit} values of {key}, one per {of}, got {len(values)}; "
                 "a run records them every record.every"
             )

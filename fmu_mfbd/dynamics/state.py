@@ -43,7 +43,7 @@ class PistonState(NamedTuple):
     thermal_opening : float
         Change of the film thickness with the temperatures (Eq. (I12)) [m].
     bore_deflection : ndarray, shape (w, s)
-        That came from outside [m]; of shape (0, 0) where none does.
+        Deflection that another participant gave [m]. Shape (0, 0) if none did.
     field_growth : ndarray, shape (g,)
         Growth of walls by field inputs of temperature (`thermal_growth.field_growth`) [m].
     """

@@ -57,11 +57,11 @@ from .thermal_growth import (
 GAS = namedtuple("GasSource", GAS_SOURCES)(*range(1, 1 + len(GAS_SOURCES)))
 """Numbers of the choices in `GAS_SOURCES`."""
 
-HEIGHTS = 6
+ANGLES_OF_MEASURES = 6
 """Number of crank angles of `film_measures`."""
 
 START_PASSES = 40
-"""Most passes to the start of a free crank; each gains a digit or more."""
+"""Maximum number of iterations for the start of a free crank. Each gains a digit or more."""
 
 
 class BodyModel(NamedTuple):
@@ -236,7 +236,7 @@ class Warmth(NamedTuple):
     growth : ndarray
         As of `thermal_growth.field_growth` [m].
     work : float
-        Of the films on the growing walls over the step [J].
+        Work of the films on the growing walls in the step [J].
     oil : ndarray
         As of `thermal_growth.oil_temperatures` [K].
     """
@@ -400,20 +400,20 @@ def film_measures(model: BodyModel, last: StepEnd) -> np.ndarray:
 
     Per unit of the coordinate, it is the root of the sum of squares over cells: of the change of
     film thickness, and of the change of velocity times the step. This is the root mean square over
-    `HEIGHTS` crank angles.
+    `ANGLES_OF_MEASURES` crank angles.
     """
     by = reach_of(last.coefficients, model.parts.kinds)
     out = np.zeros(len(by.position))
     for k in range(len(out)):
         unit = np.zeros(len(out))
         unit[k] = 1.0 / by.position[k]
-        for i in range(HEIGHTS):
-            at = height(model.parts.mechanism, 0.0, np.pi * (i + 0.5) / HEIGHTS).height
+        for i in range(ANGLES_OF_MEASURES):
+            at = height(model.parts.mechanism, 0.0, np.pi * (i + 0.5) / ANGLES_OF_MEASURES).height
             there = StepEnd(last.coefficients, at, last.now, last.crank, last.linear)
             films = moved_films(model.parts, there, unit, False)
             for film in (films.skirt, films.pins):
                 opened, slid = film.film_thickness, last.coefficients.step * film.sliding_velocity
-                out[k] += (opened @ opened + slid @ slid) / HEIGHTS
+                out[k] += (opened @ opened + slid @ slid) / ANGLES_OF_MEASURES
     return np.sqrt(out)
 
 
@@ -441,7 +441,7 @@ def films_at(
     before : PistonState
         At the beginning of the step.
     c : Coefficients
-        Of the step.
+        Coefficients of the step.
     crank : CrankMotion
         At its end.
     inputs : StepInputs

@@ -23,13 +23,13 @@ class BodySystem(NamedTuple):
     Parameters
     ----------
     chain : Chain
-        Of `mechanism.cylinder`.
+        Chain of `mechanism.cylinder`.
     kinds : ndarray, shape (n,)
         Time integrator of each coordinate, as of `bdf2.reach_of`.
     inertia, with_rod : Arrow
         `cylinder.motion_across` without and with the rod.
     shapes : AxisShapes
-        Of the pin.
+        Shapes of the pin.
     mechanism : Mechanism
     surfaces, pin_surfaces : ndarray
         Films of the skirt, and of pin and crank, each a block of `geometry.surfaces`.
@@ -40,7 +40,7 @@ class BodySystem(NamedTuple):
     wall : BoreWall
         With all modes of the block.
     resolution : float
-        Of impacts (Eq. (N12)) [m].
+        r of Eq. (N12), the displacement in a step that impacts do not resolve [m].
     """
 
     chain: Chain
@@ -97,7 +97,7 @@ class OtherForces(NamedTuple):
         Along -y on the crown [N].
     rings : RingForce
     wall : WallPressures
-        Of gas on the bore.
+        Pressures of the gas on the bore.
     carrier : Carrier
         Motion of the block.
     """

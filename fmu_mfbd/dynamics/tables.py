@@ -12,7 +12,8 @@ from ...master.fmi.separated import read_rows
 from ..geometry.profile import MeasuredShape
 
 WIDEST_GAP = 4.0
-"""Of the angles of a profile, by the usual one: a spline across a wider one goes anywhere."""
+"""Largest gap between angles of a profile, relative to the usual one. A spline over a wider gap is
+arbitrary."""
 
 POSSIBLE_GAS = -0.101325e6, 100e6
 """Gauge pressures of a gas table [Pa]: from a vacuum to far above those of engines."""
@@ -150,7 +151,7 @@ def closed(
     Parameters
     ----------
     rows : Rows
-        Where it comes from.
+        Rows of the table, for messages.
     angle, value : ndarray, shape (n,)
     cycle : float
         [rad]
@@ -195,7 +196,7 @@ def gas_table(rows: Rows, cycle: float, angle_unit: float, pressure_unit: float)
     cycle : float
         Angle after which the pressure repeats [rad]: 4 pi four-stroke, 2 pi two-stroke.
     angle_unit, pressure_unit : float
-        What 1 in the table means [rad], [Pa].
+        Size of 1 in the table [rad], [Pa].
 
     Returns
     -------
@@ -242,7 +243,7 @@ def profile_table(
     ----------
     path : Path
     angle_unit, height_unit, value_unit : float
-        What 1 in the file means [rad], [m], [m].
+        Size of 1 in the file [rad], [m], [m].
 
     Returns
     -------

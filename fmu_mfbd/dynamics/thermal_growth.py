@@ -46,7 +46,7 @@ class ColdWalls(NamedTuple):
     Parameters
     ----------
     gap : ndarray, shape (cells,)
-        Of all skirt grids, stacked [m].
+        Gap h_0 of all skirt grids without growth, stacked [m].
     shape : ndarray, shape (knots, c)
         As of `BoreSplines` [m].
     rule : ndarray, shape (knots, s)
@@ -277,9 +277,9 @@ def field_growth(
 def growth_work(pressure_force: np.ndarray, change: float) -> float:
     """Return the work of the films on walls that grow [J].
 
-    Eq. (D55):  W = sum F_i (w_1 - w_0)     as Eq. (D11), forces at the end along the way
+    Eq. (D55):  W = sum F_i (w_1 - w_0)     as Eq. (D11), with the forces at the end of the step
 
-    Heat pays for it, or receives it: no coordinate of the bodies moves.
+    The source of this energy is heat, because no coordinate of the bodies moves.
 
     Parameters
     ----------
@@ -313,7 +313,7 @@ def field_work(
     surfaces : ndarray
     cold : ColdWalls
     pressure_force : ndarray, shape (cells,)
-        Of whole films [N].
+        Pressure forces of complete films [N].
     guide_height : float
         Height at which the bore is read [m].
     before, growth : ndarray

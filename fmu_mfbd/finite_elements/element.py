@@ -21,7 +21,7 @@ NODES = ElementTetP2.doflocs
 CORNERS = 4
 COMPONENTS = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)]
 """Components of a stress tensor in the order xx, yy, zz, xy, yz, zx."""
-PART = 50_000  # elements assembled at a time: bounds the memory of large bodies
+ELEMENTS_AT_ONCE = 50_000  # elements assembled at a time: bounds the memory of large bodies
 
 
 class Quadrature(NamedTuple):
@@ -344,7 +344,7 @@ def _assemble(
     """Return the matrices of scalar bilinear forms, each (n, n) in the order of the nodes."""
     totals = [sp.csr_matrix((len(points),) * 2)] * len(forms)
     rule = quadrature(points_a_side)
-    for part in np.array_split(tets, -(-len(tets) // PART)):
+    for part in np.array_split(tets, -(-len(tets) // ELEMENTS_AT_ONCE)):
         used, inside = np.unique(part, return_inverse=True)
         basis, number = element_basis(points[used], inside.reshape(part.shape), rule)
         for k, form in enumerate(forms):

@@ -32,7 +32,7 @@ UNSTATED = ("", "none")
 """Material of the elements of a file that have none."""
 OTHERS = "no set"
 """Name of the elements that neither the file nor the case puts into a set with a material."""
-SAME = 1e-6
+EQUAL_TOLERANCE = 1e-6
 """Relative difference below which two values are the same."""
 
 
@@ -91,7 +91,7 @@ def units_of(length: float) -> dict[str, float]:
     length : float
         L [m].
     """
-    force = POUND if any(abs(length / one - 1) < SAME for one in INCHES) else 1.0
+    force = POUND if any(abs(length / one - 1) < EQUAL_TOLERANCE for one in INCHES) else 1.0
     stress, density = force / length**2, force / length**4  # Eq. (M23)
     return {"young": stress, "poisson": 1.0, "density": density, "expansion": 1.0}
 
@@ -106,7 +106,7 @@ def replaced(sets: ElementSets, values: Mapping[str, float | None]) -> list[str]
         if value is not None
         and any(
             key in sets.properties.get(name, {})
-            and abs(sets.properties[name][key] * units[key] - value) > SAME * value
+            and abs(sets.properties[name][key] * units[key] - value) > EQUAL_TOLERANCE * value
             for name in used
         )
     ]

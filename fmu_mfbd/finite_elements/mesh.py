@@ -45,7 +45,7 @@ class Mesh:
     sets : ElementSets
         Sets of elements and materials of the mesh file.
     material : Material, optional
-        Of the elements, if it is known.
+        Material of the elements, if it is known.
     """
 
     points: np.ndarray
@@ -227,7 +227,8 @@ READERS = {
     r"(?im)^[ \t]*\*\s*(node|part|heading|include|element)\b": read_abaqus,
     r"(?im)^[ \t]*(begin\s+bulk|include\s+['\"]|(grid|ctetra)\*?[\s,])": read_nastran,
 }
-"""Readers by what a file contains, or what it is instead; the first match counts."""
+"""Readers by a pattern of the file, or the name of a format that is not read. The first match
+counts."""
 BY_MESHIO = (".vtu", ".vtk", ".mesh", ".meshb", ".xdmf", ".vol", ".su2", ".e", ".exo")
 """Suffixes of formats that meshio reads, with named surfaces if the format has them."""
 
@@ -292,15 +293,15 @@ TETRAHEDRA, TRIANGLES = ("tetra", "tetra10"), ("triangle", "triangle6")
 def _marked(raw, number, points, outer, name, region):
     """Return which outer faces belong to a surface, by its region or by the names in the file.
 
-    number : of each node of the file among the used ones.
+    number : new number of each node of the file, -1 if no element uses it.
     """
     corners = outer[:, :3]
     if region is not None:
         return region.holds(points[corners])
     faces = entry(raw.faces, name)
     if faces is not None and len(faces):
-        wanted = {tuple(key) for key in np.sort(number[faces], axis=1)}
-        return np.array([tuple(key) in wanted for key in np.sort(corners, axis=1)], dtype=bool)
+        keys = {tuple(key) for key in np.sort(number[faces], axis=1)}
+        return np.array([tuple(key) in keys for key in np.sort(corners, axis=1)], dtype=bool)
     nodes = entry(raw.node_sets, name)
     if nodes is not None:
         return np.isin(corners, number[nodes]).all(axis=1)

@@ -90,7 +90,7 @@ def read_nastran(path: Path) -> Deck:
         if card.name == "GRID":
             label = _label(card)
             first = grids.setdefault(label, card)
-            if first is not card and _given(first) != _given(card):
+            if first is not card and _coordinates_of(first) != _coordinates_of(card):
                 raise MeshFault(f"node {label}: expected one position, got two")
         elif card.name == "CTETRA":
             elements.append(card)
@@ -118,7 +118,7 @@ def read_nastran(path: Path) -> Deck:
     basic = _BasicSystem(systems, grids, default)
     points = {}
     for label, card in grids.items():
-        _given(card)
+        _coordinates_of(card)
         try:
             points[label] = basic.position(label, ())
         except MeshFault:  # of the system
@@ -161,7 +161,7 @@ def _properties(card):
     return {key: value for key, value in own.items() if value is not None}
 
 
-def _given(card):
+def _coordinates_of(card):
     """Return system and coordinates of a node as its card states them."""
     return card.integer(1), [card.real(index) for index in (2, 3, 4)]
 
@@ -220,7 +220,7 @@ class _BasicSystem:
         card = self.grids.get(label)
         if card is None:
             raise MeshFault(f"CORD1: expected a known node, got {label}")
-        system, local = _given(card)
+        system, local = _coordinates_of(card)
         return self._basic(self.default if system is None else system, local, card, above)
 
     def _basic(self, system, local, user, above):

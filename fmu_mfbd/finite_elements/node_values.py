@@ -17,9 +17,9 @@ from .deck import CORNERS, MeshFault
 from .element import EDGES, rigid_motions
 from .mesh import Mesh, axes_matrix, to_body_axes
 
-APART = 1e-4
+NODE_TOLERANCE = 1e-4
 """Largest distance of a node of the file from that of the mesh, by the size of the mesh."""
-DEFORMED = 1e-5, 2e-2
+DEFORMATION_RANGE = 1e-5, 2e-2
 """Range of the deformation of a surface by its size. Heat of 500 K expands aluminium by 1.2e-2, and
 bolts distort a bore by some 1e-4: a wrong length unit is a factor of 25 or more."""
 
@@ -144,12 +144,12 @@ def _by_meshio(path, quantity, field):
 
 def _chosen(names: Sequence[str], quantity: Quantity, field: str | None) -> str:
     """Return the name of the field of a quantity."""
-    wanted = [field] if field else [name for name in names if re.match(quantity.pattern, name)]
-    if len(wanted) != 1 or wanted[0] not in names:
+    matches = [field] if field else [name for name in names if re.match(quantity.pattern, name)]
+    if len(matches) != 1 or matches[0] not in names:
         asked = f"field {field!r}" if field else f"one field with the {quantity.name}"
         known = ", ".join(names) or "none"
         raise MeshFault(f"expected {asked}, got {known}; set field to its name")
-    return wanted[0]
+    return matches[0]
 
 
 def _of_frd(path, quantity, field):
@@ -229,14 +229,14 @@ def on_mesh(
 
         points = to_body_axes(nodal.points * placed.length, placed.axes, placed.origin)
         distance, row = KDTree(points).query(mesh.points)
-        near = distance <= APART * size
+        near = distance <= NODE_TOLERANCE * size
         out[near] = nodal.values[np.asarray(row)[near]]
         spans = [
             ", ".join(f"{1e3 * one:.4g}" for one in np.ptp(p, axis=0))
             for p in (points, mesh.points)
         ]
         reason = (
-            f"nodes within {1e3 * APART * size:.2g} mm, got distances of up to "
+            f"nodes within {1e3 * NODE_TOLERANCE * size:.2g} mm, got distances of up to "
             f"{1e3 * distance[needed].max():.3g} mm; the file spans {spans[0]} mm and the mesh "
             f"{spans[1]} mm; check length_unit = {placed.length:g} m, mesh_unit, axes and origin"
         )
@@ -273,7 +273,7 @@ def displacement_on(
 
     Eq. (M26):  e = max |u - R q|/L      q of least squares: R its rigid motions, L the size
 
-    e is the deformation of the surface, which must be in the range `DEFORMED`.
+    e is the deformation of the surface, which must be in the range `DEFORMATION_RANGE`.
 
     Parameters
     ----------
@@ -292,7 +292,7 @@ def displacement_on(
     size = float(np.ptp(mesh.points[nodes], axis=0).max())
     rest = without_rigid(mesh.points[nodes], u[nodes])
     deformed = float(np.linalg.norm(rest, axis=1).max()) / size  # Eq. (M26)
-    least, most = DEFORMED
+    least, most = DEFORMATION_RANGE
     if not least <= deformed <= most:
         raise MeshFault(
             f"{where}: expected a deformation of surface '{surface}' of "

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-LOOSE = 1e-3
+SURFACE_TOLERANCE = 1e-3
 """Largest distance of a corner from a surface that is given by geometry, relative to its size."""
 
 
@@ -17,7 +17,7 @@ class Cylinder(NamedTuple):
 
     def holds(self, corner: np.ndarray) -> np.ndarray:
         """Return which faces, given by corners (t, corners, 3), belong to the surface."""
-        slack = LOOSE * self.radius
+        slack = SURFACE_TOLERANCE * self.radius
         x, y, z = np.moveaxis(corner, -1, 0)
         near = np.abs(np.hypot(x, z) - self.radius) <= slack
         return (near & (y >= self.lower - slack) & (y <= self.upper + slack)).all(axis=1)
@@ -31,7 +31,7 @@ class Bore(NamedTuple):
     def holds(self, corner: np.ndarray) -> np.ndarray:
         """Return which faces, given by corners (t, corners, 3), belong to the surface."""
         x, y, _ = np.moveaxis(corner, -1, 0)
-        return (np.abs(np.hypot(x, y) - self.radius) <= LOOSE * self.radius).all(axis=1)
+        return (np.abs(np.hypot(x, y) - self.radius) <= SURFACE_TOLERANCE * self.radius).all(axis=1)
 
 
 class Plane(NamedTuple):
@@ -42,7 +42,7 @@ class Plane(NamedTuple):
     def holds(self, corner: np.ndarray) -> np.ndarray:
         """Return which faces, given by corners (t, corners, 3), belong to the surface."""
         y = corner[..., 1]
-        return (np.abs(y - self.height) <= LOOSE * np.ptp(y)).all(axis=1)
+        return (np.abs(y - self.height) <= SURFACE_TOLERANCE * np.ptp(y)).all(axis=1)
 
 
 Region = Cylinder | Bore | Plane

@@ -25,7 +25,7 @@ LOOSE = (
     "elements"
 )
 SMALLEST_PIVOT = 1e-12  # of the largest one
-LARGEST = 60_000  # degrees of freedom that SuperLU factorises
+LARGEST_SUPERLU = 60_000  # degrees of freedom that SuperLU factorises
 THREADS = "PISTON_COSIM_THREADS", "OMP_NUM_THREADS"
 """Environment variables with the number of threads. The command line copies the user's
 OMP_NUM_THREADS to the first one before it sets the second one for small matrices."""
@@ -43,7 +43,7 @@ Factorise = Callable[[Sparse], Factors]
 
 
 class SuperLU:
-    """Factors of scipy's SuperLU, for up to `LARGEST` degrees of freedom.
+    """Factors of scipy's SuperLU, for up to `LARGEST_SUPERLU` degrees of freedom.
 
     Parameters
     ----------
@@ -148,15 +148,15 @@ def factorise(K: Sparse) -> Factors:
     Raises
     ------
     ValueError
-        As for `SuperLU`, and if a matrix without pypardiso has more than `LARGEST` rows.
+        As for `SuperLU`, and if a matrix without pypardiso has more than `LARGEST_SUPERLU` rows.
     """
     try:
         return Pardiso(K)
     except ImportError:
-        if K.shape[0] > LARGEST:
+        if K.shape[0] > LARGEST_SUPERLU:
             raise ValueError(
-                f"mesh: expected at most {LARGEST} degrees of freedom without the extra `large`, "
-                f"got {K.shape[0]}; run pip install 'piston_cosim[large]'"
+                f"mesh: expected at most {LARGEST_SUPERLU} degrees of freedom without the extra "
+                f"`large`, got {K.shape[0]}; run pip install 'piston_cosim[large]'"
             ) from None
         return SuperLU(K)
 

@@ -24,7 +24,7 @@ def declared(
 
 
 JOINTS = {"piston": "rod", "rod": "crank", "crank": "block"}
-"""Body -> the body on which it hangs by a joint that an element may free."""
+"""Body -> its parent, with a joint that an element may free."""
 
 
 class PointMotion(NamedTuple):
@@ -78,7 +78,7 @@ class ForceElement:
 
     The reference point of crank, rod, pin and piston is the crank pin, the small end, its axis and
     pin point A. That of the block is the position of A on the crank axis in the middle of the bore.
-    A tied pin is a part of the rod. Modes do not feel the force.
+    A tied pin is a part of the rod. The force does not act on modes.
 
     Parameters
     ----------

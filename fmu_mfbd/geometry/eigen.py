@@ -10,8 +10,8 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, standing_for
 
-SWEEPS = 30
-"""Most sweeps; some ten are usual."""
+MOST_SWEEPS = 30
+"""Maximum number of sweeps. About ten are usual."""
 
 
 @compilable
@@ -37,7 +37,7 @@ def symmetric_eigen(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     n = len(matrix)
     a, turned = matrix.copy(), np.eye(n)
-    for _ in range(SWEEPS):
+    for _ in range(MOST_SWEEPS):
         rotations = 0
         for p in range(n - 1):
             for q in range(p + 1, n):

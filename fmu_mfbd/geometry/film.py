@@ -64,7 +64,8 @@ class BoreSplines(NamedTuple):
     shape : ndarray, shape (knots, c)
         Spline coefficients of the undeformed bore's widening; no rows for a cylinder [m].
     temperature : ndarray, shape (knots, c)
-        Those of the difference of the wall's temperature from its level, as of `Skirt` [K].
+        Spline coefficients of the difference of the wall's temperature from its level, as of
+        `Skirt` [K].
     """
 
     lowest: float
@@ -177,7 +178,7 @@ def bore_splines(
 
     Eq. (H3):  (c_(i-1) + 4 c_i + c_(i+1))/6 = value_i, second derivative zero at both ends
 
-    It is twice continuously differentiable in height, so that a moving skirt sees no kinks.
+    It is twice continuously differentiable in height, so the film of a moving skirt has no kinks.
 
     Parameters
     ----------

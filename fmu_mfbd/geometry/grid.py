@@ -1,4 +1,4 @@
-"""Regular grid on the developed cylinder (angle x height)."""
+"""Regular grid of angles and heights on the developed cylinder."""
 
 import numpy as np
 

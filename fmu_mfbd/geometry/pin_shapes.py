@@ -28,7 +28,7 @@ VALUE = np.ascontiguousarray(legendre.legvander(POINTS, DEGREE))
 RATE = np.ascontiguousarray(legendre.legval(POINTS, legendre.legder(np.eye(SIZE))).T)
 """Rule of Gauss, and the polynomials and their derivatives at its points, (points, size)."""
 
-MOST = 11
+MOST_SHAPES = 11
 """Maximum number of shapes: tilt and ten bending shapes."""
 
 
@@ -150,7 +150,7 @@ def free_beam(pin: HollowPin, n: int) -> Beam:
     ----------
     pin : HollowPin
     n : int
-        0 to `MOST`.
+        0 to `MOST_SHAPES`.
 
     References
     ----------

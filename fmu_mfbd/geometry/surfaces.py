@@ -13,7 +13,7 @@ from ...master.fmi.compiled import compilable
 from .film import BoreSplines, FilmSurface, Skirt, knot_rule
 from .pin import PinSurface
 
-HEAD = 1
+HEADER_LENGTH = 1
 """Number of values before the offsets of the rows: the number of rows."""
 
 _skirt = reader(Skirt)
@@ -36,7 +36,7 @@ def pins_in_block(surfaces: Sequence[PinSurface]) -> np.ndarray:
 
 def _rows(trees):
     """Return the number of trees, the offset of each, and their rows."""
-    end = HEAD + len(trees)
+    end = HEADER_LENGTH + len(trees)
     offsets: dict[int, int] = {}
     rows = []
     for tree in trees:
@@ -73,7 +73,7 @@ def each_pin_of(block: np.ndarray) -> tuple[PinSurface, ...]:
 @compilable
 def row_at(block: np.ndarray, k: int) -> np.ndarray:
     """Return the k-th row and all following ones."""
-    return block[int(block[HEAD + k]) :]
+    return block[int(block[HEADER_LENGTH + k]) :]
 
 
 @compilable

@@ -10,7 +10,7 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from .chain import IN_PARENT
 from .floating_frame import TURN, X, Y
-from .translations import sliding_of, way_of
+from .translations import slide_direction, sliding_of
 
 
 @compilable
@@ -74,7 +74,7 @@ def put_angle_changes(joints, b, at, by, d):
         tip, ex, ey = joints.tip[b, j], 0.0, 0.0
         for i in range(joints.first_slide[tip_body], joints.first_slide[tip_body + 1]):
             if joints.slide[i] == j and joints.turns[i] == IN_PARENT:
-                ex, ey = way_of(joints, i, b, at)
+                ex, ey = slide_direction(joints, i, b, at)
         dx, dv, da = (ex - tip) * by.position[j], (ex - tip) * by.velocity[j], 0.0
         t = (d.position[b, X, j] + dx) / along
         longer = ey * by.position[j] - aside * t
@@ -100,7 +100,7 @@ def add_angle_row(joints, b, at, moment, force, residual):
             residual[j] -= joints.tip[b, j] * push
         for k in range(joints.first_slide[tip_body], joints.first_slide[tip_body + 1]):
             if joints.turns[k] == IN_PARENT:
-                x, _ = way_of(joints, k, b, at)
+                x, _ = slide_direction(joints, k, b, at)
                 residual[joints.slide[k]] += x * push
         force[b, X] += push
         return 0.0
@@ -137,7 +137,7 @@ def _add_tip_changes(joints, b, at, force, d, change, top):
         push[j] -= by_length * at.arm[tip_body, X] * d.position[b, TURN, j]
     for k in range(joints.first_slide[tip_body], joints.first_slide[tip_body + 1]):
         if joints.turns[k] == IN_PARENT and joints.slide[k] < columns:
-            _, y = way_of(joints, k, b, at)
+            _, y = slide_direction(joints, k, b, at)
             push[joints.slide[k]] -= by_length * y * d.by.position[joints.slide[k]]
     for j in range(columns):
         change[b, X, j] += push[j]
@@ -149,7 +149,7 @@ def _add_tip_changes(joints, b, at, force, d, change, top):
     for k in range(joints.first_slide[tip_body], joints.first_slide[tip_body + 1]):
         if joints.turns[k] == IN_PARENT:
             i = joints.slide[k]
-            x, y = way_of(joints, k, b, at)
+            x, y = slide_direction(joints, k, b, at)
             for j in range(columns):
                 top[i, j] += x * push[j]
             for j in range(d.position.shape[2]):

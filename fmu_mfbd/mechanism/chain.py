@@ -1,9 +1,9 @@
-"""A chain of bodies as tables: what hangs where, its inertia, and the forces between its bodies.
+"""A chain of bodies as tables: joints, inertia, and the forces between the bodies.
 
-Each body hangs on one before it, or on the block, by a joint. A joint is tied or slides along
-directions, each with a coordinate: two for the play in a film. The angle of a body is driven, a
-coordinate, their sum, or that of a rod that swings.
-Films, gas and springs close no loop: they are forces between two bodies.
+A joint connects each body with its parent, which is an earlier body or the block. A joint is tied,
+or it slides in directions that have a coordinate each, for example two for the play in a film. The
+angle of a body is driven, a coordinate, the sum of both, or that of a rod that swings. Films, gas
+and springs are forces between two bodies, so the chain has no loop.
 
 All tables are arrays over bodies or force elements. Code that is compiled for one chain serves
 every other, and `master.fmi.block.flatten` packs a chain into one row of memory.
@@ -15,7 +15,6 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Matrix, Numbers, Vector
-from .pin_friction import PinFriction
 
 BLOCK = -1
 """Number of the block among the bodies."""
@@ -26,9 +25,6 @@ NONE = -1
 IN_BLOCK, IN_PARENT = 0, 1
 """Axes of a slide, see `Joints.turns`."""
 
-LEVER, VISCOUS = map(PinFriction._fields.index, ("lever", "viscous"))
-"""Columns of `Joints.friction`."""
-
 MOMENT, REACTION = 2, 3
 """Columns of `Loads.wrench` after the force."""
 
@@ -36,9 +32,9 @@ MOMENT, REACTION = 2, 3
 class Bodies(NamedTuple):
     """Inertia integrals (Eq. (J7)) and modal springs of n bodies, their k modes stacked.
 
-    After them there are s modes with the inertia of their own motion alone, as those of shells and
-    journals. The first r of them deflect the last body: the motion of its frame loads them, but
-    their deflection changes none of its integrals.
+    Then follow s modes that have only the inertia of the modal motion, for example those of shells
+    and journals. The first r of them deflect the last body. The motion of its frame loads them, but
+    they do not change its integrals.
 
     Parameters
     ----------
@@ -77,7 +73,7 @@ class Joints(NamedTuple):
     Parameters
     ----------
     parent : ndarray, shape (n,)
-        Number of the body that each hangs on, or `BLOCK`.
+        Number of the parent of each body, or `BLOCK`.
     angle : ndarray, shape (n,)
         Coordinate of the body's angle [rad], or `NONE`; bodies may share one.
     first_slide : ndarray, shape (n + 1,)
@@ -120,7 +116,7 @@ class Elements(NamedTuple):
     """Bodies and points of e force elements between two bodies, or a body and the block.
 
     Force and moments are inputs (`Loads`), for example the sum of the nodal forces of a film, or
-    they have a law. This tells the tangent how they follow the motion.
+    they have a law. The tangent needs these tables for the dependence of forces on the motion.
 
     Parameters
     ----------

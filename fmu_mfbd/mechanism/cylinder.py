@@ -1,16 +1,21 @@
 """The chain of one cylinder: crank, rod, pin and piston, and the films between them.
 
-A tied pin is part of the rod. The coordinates are in this order: x_A and the rocking angle, with a
-floating pin those of `PIN`, then if they have a film, crank pin from the rod's big end (x, y) and
-journal from the main bearing (x, y). Then follow modes of the piston, those with inertia first, and
-modes of the block. The last are shapes of the pin along x and along y, and modes of eye, big end
-and main bearing.
+A tied pin is part of the rod. The coordinates have this order:
 
-Relative coordinates keep the digits of a pin that moves by micrometres in its films. The rod stays
-on the crank without a constraint to drift from. The modes of shells have the inertia of their own
-motion alone (Eq. (D40)), in the axes of rod and block: the mass of the shells is that of these
-bodies already. The weight of the eye of `yielding_bosses` at 6700 m/s2 bends it by 0.9 um, a film
-under 25 kN by 20 to 60 (`tests/bench/small_end.py`).
+1. x_A and the rocking angle
+2. for a floating pin, the coordinates `PIN`
+3. with a film of the crank pin, its position in the rod's big end (x, y)
+4. with a film of the journal, its position in the main bearing (x, y)
+5. modes of the piston, those with inertia first
+6. modes of the block
+7. shapes of the pin along x, then along y
+8. modes of small end, big end and main bearing
+
+Relative coordinates keep the digits of a pin that moves by micrometres in its films. They also keep
+the rod on the crank without a constraint that could drift. Modes of shells have only the inertia of
+the modal motion (Eq. (D40)), in the axes of rod and block, because these bodies already contain the
+mass of the shells. The inertia of the small end of `yielding_bosses` at 6700 m/s2 bends it by 0.9
+um, and a film under 25 kN by 20 to 60 um (`tests/bench/small_end.py`).
 """
 
 from typing import NamedTuple
@@ -96,7 +101,7 @@ class FreeSlides(NamedTuple):
     Parameters
     ----------
     acts : ndarray, shape (r,)
-        Number in `force_elements.element.BODIES` of the body that hangs on the joint.
+        Number in `force_elements.element.BODIES` of the body whose joint it is.
     turns, direction
         As of `chain.Joints`.
     """
@@ -119,15 +124,15 @@ class CylinderParts(NamedTuple):
         Number of its first modes, which have inertia.
     mechanism : Mechanism
     spin_inertia : float
-        Of the pin about its axis [kg m2].
+        Moment of inertia of the pin about its axis [kg m2].
     crank_mass : float
-        That moves with the journal in the main bearing [kg].
+        Mass that moves with the journal in the main bearing [kg].
     unbalance : float
-        Of the crank, mass times distance towards the crank pin [kg m].
+        Unbalance of the crank: mass times distance towards the crank pin [kg m].
     floats, big_end, main_bearing : bool
         Which of pin, big end and main bearing have films.
     springs : ModalSprings
-        Of the block, of the pin's shapes and of the modes of all shells.
+        Springs of the modes of the block, of the pin's shapes and of the modes of all shells.
     block_modes, block_static : int
         Number of modes of the block, and of those without inertia at their end.
     shapes, big_end_modes, main_bearing_modes : int
@@ -238,7 +243,7 @@ def _plays_of(c):
 
 @compilable
 def _joints_of(c, plays):
-    """Return the joints of crank, rod, pin and piston, each hangs on the one before it."""
+    """Return the joints of crank, rod, pin and piston. Each body is the parent of the next."""
     n = _count(c)
     piston = n - 1
     parent, angle = np.full(n, BLOCK), np.full(n, NONE)

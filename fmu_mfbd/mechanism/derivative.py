@@ -31,7 +31,7 @@ class ChainDerivative(NamedTuple):
     Parameters
     ----------
     arrow : Arrow
-        Of the residual, with m rigid motions and k modes.
+        Derivative of the residual, with m rigid motions and k modes.
     torque : ndarray, shape (m + k,)
     on_block : ndarray, shape (3, m + k)
     motion : MotionChanges
@@ -226,7 +226,7 @@ def pushed_forces(
     chain : Chain
     forces : ChainForces
     now : Motion
-        Of all m + k coordinates.
+        Motion in all m + k coordinates.
     loads, carrier : Loads, Carrier
         The direction.
 
@@ -265,7 +265,7 @@ def drive_inertia(chain: Chain, forces: ChainForces, now: Motion, drive: CrankMo
     forces : ChainForces
     now : Motion
     drive : CrankMotion
-        Of both.
+        Motion of the crank, for both.
     """
     at = forces.motion
     n, m = chain.joints.tip.shape

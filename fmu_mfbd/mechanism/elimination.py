@@ -80,7 +80,7 @@ def substitute(factors: LUFactors, right: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     factors : LUFactors
-        Of A.
+        Factors of A.
     right : ndarray, shape (n,)
         b.
 

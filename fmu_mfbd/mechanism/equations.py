@@ -8,7 +8,7 @@ from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Matrix, Vector
 from .angles import add_angle_row
 from .carrier import Carrier
-from .chain import LEVER, REACTION, VISCOUS, Chain, Elements, Joints, Loads
+from .chain import REACTION, Chain, Elements, Joints, Loads
 from .floating_frame import TURN, X, Y
 from .generalised_alpha import Motion
 from .inertia import (
@@ -27,9 +27,9 @@ class ChainForces(NamedTuple):
     Parameters
     ----------
     residual : ndarray, shape (m + k,)
-        Of the m coordinates of joints [N] or [N m], then of the k modes [kg^-1/2 N].
+        Residuals of the m coordinates of joints [N] or [N m], then of the k modes [kg^-1/2 N].
     torque : float
-        Of the drive, which stands outside the block [N m].
+        Torque of the drive, which is outside the block [N m].
     on_block : ndarray, shape (3,)
         Forces of joints and reactions on the block in its axes [N], and moment about its origin
         [N m].
@@ -81,7 +81,7 @@ def forces_at(
     loads : Loads
     at : ChainMotion
     now : Motion
-        Of all m + k coordinates.
+        Motion in all m + k coordinates.
     carrier : Carrier
         Motion of the block.
 
@@ -201,4 +201,5 @@ def friction_at(joints: Joints, at: ChainMotion, force: np.ndarray, b: int) -> P
 @compilable
 def has_friction(friction: np.ndarray, b: int) -> bool:
     """Return whether the joint of body b has friction; see `Joints`."""
-    return friction[b, LEVER] > 0.0 or friction[b, VISCOUS] > 0.0
+    of_joint = pin_friction_from(friction[b])
+    return of_joint.lever > 0.0 or of_joint.viscous > 0.0

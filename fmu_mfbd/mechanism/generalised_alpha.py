@@ -83,7 +83,7 @@ def coefficients(step: float, spectral_radius: float, memory: float = 0.0) -> Co
     spectral_radius : float
         rho at infinite frequency [-], 0 (annihilates it in one step) to 1 (keeps all energy).
     memory : float
-        Of the coordinates that follow BDF2 (`bdf2.memory_of`) [s].
+        `bdf2.memory_of` the coordinates that use BDF2 [s].
 
     Returns
     -------

@@ -20,22 +20,22 @@ from ...master.fmi.compiled import compiled
 from .generalised_alpha import Motion
 from .piston_motion import RIGID
 
-IMPACT = 0.25
+VELOCITY_SHARE = 0.25
 """Least change of acceleration in an impact, times the step, over the larger of both velocities.
 
 A mass on a film bounces from 0.5 on. In smooth motion the share falls with the square of the step.
 """
 
-SUDDEN = 0.5
+ACCELERATION_SHARE = 0.5
 """Least change of acceleration in an impact, over the acceleration before.
 
 A stop that several steps resolve grows from step to step, and the integrator handles it.
 """
 
-GROWING = 0.25
-"""As `SUDDEN`, for the repetition of a step in parts: a stop may build up over two steps."""
+SHARE_IN_PARTS = 0.25
+"""As `ACCELERATION_SHARE`, for steps that are repeated in parts. A stop may build up over two."""
 
-KEPT = 0.5
+MEMORY_SHARE = 0.5
 """Largest remembered acceleration, times the step, over the end velocity.
 
 At 1, the next step would reverse the motion.
@@ -51,7 +51,7 @@ class Inertia(NamedTuple):
     Parameters
     ----------
     mass : float
-        Of piston and pin [kg].
+        Mass of piston and pin [kg].
     moment : float
         First moment S_y of the piston about A, which couples both motions [kg m].
     inertia : float
@@ -73,7 +73,8 @@ def inertia_product(inertia: Inertia, a: np.ndarray, b: np.ndarray) -> float:
     ----------
     inertia : Inertia
     a, b : ndarray, shape (n,)
-        Of x_A and the rocking angle; further elements are ignored.
+        Displacements, velocities or accelerations: x_A, rocking angle. Further elements are
+        ignored.
 
     Returns
     -------
@@ -82,6 +83,68 @@ def inertia_product(inertia: Inertia, a: np.ndarray, b: np.ndarray) -> float:
     # Eq. (N6)
     rocking = inertia.inertia * a[1] * b[1] - inertia.moment * (a[0] * b[1] + a[1] * b[0])
     return inertia.mass * a[0] * b[0] + rocking
+
+
+@compiled
+def inertia_norm(inertia: Inertia, a: np.ndarray) -> float:
+    """Return |a| = sqrt(a . M a), Eq. (N6)."""
+    return np.sqrt(inertia_product(inertia, a, a))
+
+
+@compiled
+def change_norm(inertia: Inertia, before: np.ndarray, end: np.ndarray) -> float:
+    """Return |end - before|, Eq. (N6)."""
+    change = np.empty(RIGID)
+    for k in range(RIGID):
+        change[k] = end[k] - before[k]
+    return inertia_norm(inertia, change)
+
+
+@compiled
+def is_impact(
+    inertia: Inertia, before: Motion, end: Motion, step: float, share: float, least: float
+) -> bool:
+    """Return whether a film stops the motion within a step.
+
+    Eq. (N14):  h |q''_1 - q''_0| > max(V, s h |q''_0|, d/h),   V = max(|q'_0|, |q'_1|)/4,
+                q'_0 . M q''_1 < 0  and  q'_0 . M (q_1 - q_0) > 0
+
+    If the motion reverses within the step, another force than a film drives it back. Norms |q| are
+    those of the inertia M (Eq. (N6)).
+
+    Parameters
+    ----------
+    inertia : Inertia
+    before, end : Motion
+        At both ends of the step, x_A and the rocking angle first.
+    step : float
+        h [s], > 0.
+    share : float
+        s, least change of acceleration over the acceleration before [-].
+    least : float
+        d, least displacement by the change of acceleration, as a norm [kg^1/2 m].
+
+    Returns
+    -------
+    bool
+    """
+    travel = np.empty(RIGID)
+    for k in range(RIGID):
+        travel[k] = end.position[k] - before.position[k]
+    change = step * change_norm(inertia, before.acceleration, end.acceleration)
+    earlier = share * step * inertia_norm(inertia, before.acceleration)
+    return (
+        change > max(least_velocity(inertia, before, end), earlier, least / step)
+        and inertia_product(inertia, before.velocity, end.acceleration) < 0.0
+        and inertia_product(inertia, before.velocity, travel) > 0.0
+    )  # Eq. (N14)
+
+
+@compiled
+def least_velocity(inertia: Inertia, before: Motion, end: Motion) -> float:
+    """Return V of Eq. (N14) [kg^1/2 m/s], arguments as of `is_impact`."""
+    speed = max(inertia_norm(inertia, before.velocity), inertia_norm(inertia, end.velocity))
+    return VELOCITY_SHARE * speed
 
 
 @compiled
@@ -99,11 +162,10 @@ def longest_step(
     repeated in parts. Otherwise the result is the limit of the next step. In a longer one, the
     remembered acceleration would reverse the motion.
 
-    Eq. (N12):  unresolved:  h |q''_1 - q''_0| > max(V, h |q''_0|/4, r/h),
-                             q'_0 . M q''_1 < 0  and  q'_0 . M (q_1 - q_0) > 0
-                then         V/|q''_1 - q''_0|,   V = max(|q'_0|, |q'_1|)/4
-                otherwise    max(h, |q'_1|/(2 A), sqrt(r/A)),   A = max(|q''_1|, |a_1|)
-                norms |q| by the inertia M (Eq. (N6)), r also, as displacement of A alone
+    Eq. (N12):  in an impact, Eq. (N14) with s = 1/4 and d = r:  V/|q''_1 - q''_0|
+                otherwise:  max(h, |q'_1|/(2 A), sqrt(r/A)),   A = max(|q''_1|, |a_1|)
+
+    Norms are those of the inertia, Eq. (N6). That of r belongs to a displacement of A alone.
 
     Parameters
     ----------
@@ -124,30 +186,15 @@ def longest_step(
     """
     if step == 0.0:
         return UNLIMITED
-    jump = np.empty(RIGID)
-    travel = np.empty(RIGID)
-    for k in range(RIGID):
-        jump[k] = end.acceleration[k] - before.acceleration[k]
-        travel[k] = end.position[k] - before.position[k]
     size = np.sqrt(inertia.mass) * resolution
-    ended = inertia_product(inertia, end.velocity, end.velocity)
-    fast = IMPACT * np.sqrt(max(inertia_product(inertia, before.velocity, before.velocity), ended))
-    steady = GROWING**2 * inertia_product(inertia, before.acceleration, before.acceleration)
-    change = np.sqrt(inertia_product(inertia, jump, jump))
-    if (
-        step * change > max(fast, step * np.sqrt(steady), size / step)
-        and inertia_product(inertia, before.velocity, end.acceleration) < 0.0
-        and inertia_product(inertia, before.velocity, travel) > 0.0
-    ):
-        return fast / change  # Eq. (N12)
-    known = max(
-        inertia_product(inertia, end.acceleration, end.acceleration),
-        inertia_product(inertia, auxiliary, auxiliary),
-    )
-    if known == 0.0:
+    if is_impact(inertia, before, end, step, SHARE_IN_PARTS, size):
+        change = change_norm(inertia, before.acceleration, end.acceleration)
+        return least_velocity(inertia, before, end) / change  # Eq. (N12)
+    remembered = max(inertia_norm(inertia, end.acceleration), inertia_norm(inertia, auxiliary))
+    if remembered == 0.0:
         return UNLIMITED
-    remembered = np.sqrt(known)
-    longest = max(KEPT * np.sqrt(ended) / remembered, np.sqrt(size / remembered))
+    ended = inertia_norm(inertia, end.velocity)
+    longest = max(MEMORY_SHARE * ended / remembered, np.sqrt(size / remembered))
     return min(UNLIMITED, max(step, longest))  # Eq. (N12)
 
 
@@ -159,10 +206,8 @@ def limit_memory(
 
     Positions and the film do not change.
 
-    Eq. (N7):  impact:  h |q''_1 - q''_0| > max(|q'_0|, |q'_1|)/4,  |q''_1 - q''_0| > 0.5 |q''_0|,
-                        q'_0 . M q''_1 < 0  and  q'_0 . M (q_1 - q_0) > 0
-               then     q'_1 = (q_1 - q_0)/h,  a_1 = q''_1 = q''_1 min(1, |q'_1|/(2 h |q''_1|))
-               norms |q| by the inertia M (Eq. (N6))
+    Eq. (N7):  q'_1 = (q_1 - q_0)/h,  a_1 = q''_1 = q''_1 min(1, |q'_1|/(2 h |q''_1|))
+               in an impact, Eq. (N14) with s = 1/2 and d = 0
 
     Both coordinates of the rigid motion are limited together, because an impact has one direction.
     Modes are not limited. Their own springs stop them and return the energy, and the spectral
@@ -183,30 +228,14 @@ def limit_memory(
     bool
         Whether the step was an impact.
     """
-    if step == 0.0:
-        return False
-    if inertia_product(inertia, before.velocity, end.acceleration) >= 0.0:
-        return False
-    jump = np.empty(RIGID)
-    mean = np.empty(RIGID)
-    for k in range(RIGID):
-        jump[k] = step * (end.acceleration[k] - before.acceleration[k])
-        mean[k] = (end.position[k] - before.position[k]) / step
-    began = inertia_product(inertia, before.velocity, before.velocity)
-    ended = inertia_product(inertia, end.velocity, end.velocity)
-    steady = step**2 * inertia_product(inertia, before.acceleration, before.acceleration)
-    least = max(IMPACT**2 * max(began, ended), SUDDEN**2 * steady)
-    if inertia_product(inertia, jump, jump) <= least:
-        return False
-    # a motion that reversed within the step was driven back by another force than a film
-    if inertia_product(inertia, before.velocity, mean) <= 0.0:
+    if step == 0.0 or not is_impact(inertia, before, end, step, ACCELERATION_SHARE, 0.0):
         return False
     # Eq. (N7)
     for k in range(RIGID):
-        end.velocity[k] = mean[k]
-    speed = np.sqrt(inertia_product(inertia, end.velocity, end.velocity))
-    worth = step * np.sqrt(inertia_product(inertia, end.acceleration, end.acceleration))
-    share = min(1.0, KEPT * speed / worth)
+        end.velocity[k] = (end.position[k] - before.position[k]) / step
+    speed = inertia_norm(inertia, end.velocity)
+    by_memory = step * inertia_norm(inertia, end.acceleration)
+    share = min(1.0, MEMORY_SHARE * speed / by_memory)
     for k in range(RIGID):
         end.acceleration[k] *= share
         auxiliary[k] = end.acceleration[k]

@@ -84,9 +84,9 @@ class InertiaChanges(NamedTuple):
     ----------
     wrench : ndarray, shape (n, 3, m + k)
     left : ndarray, shape (k, m)
-        Of the forces on modes by the unknowns of joints and block.
+        Derivative of the forces on modes by the unknowns of joints and block.
     diagonal : ndarray, shape (k,)
-        Of the force on each mode by its own unknown.
+        Derivative of the force on each mode by its own unknown.
     """
 
     wrench: np.ndarray
@@ -141,7 +141,7 @@ def inertia_forces(
     bodies : Bodies
     at : ChainMotion
     now : Motion
-        Of all coordinates, the first m of which are not modal.
+        Motion in all coordinates, of which the first m are not modal.
     carrier : Carrier
         Motion of the block.
     m : int

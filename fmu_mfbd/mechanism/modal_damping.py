@@ -1,6 +1,6 @@
-"""Springs and dampers of modes, and those that follow their load without inertia.
+"""Springs and dampers of modes, and the choice of quasi-static modes without inertia.
 
-Slow modes have one damping ratio, fast ones another.
+Slow and fast modes have different damping ratios.
 """
 
 from typing import Any, NamedTuple
@@ -38,7 +38,7 @@ def put_damping(damping: np.ndarray, stiffness: np.ndarray, p: Any) -> None:
     damping : ndarray, shape (k,)
         D, overwritten [rad/s].
     stiffness : ndarray, shape (k,)
-        omega^2 [rad2/s2]; its root is omega to the bit.
+        omega^2 [rad2/s2]; its root is omega bit for bit.
     p : Parameters
         zeta: damping_ratio below damping_transition_frequency, and high_frequency_damping_ratio
         from there on [-].

@@ -39,9 +39,9 @@ class ChainMotion(NamedTuple):
     sliding : ndarray, shape (n, 4)
         Velocity and acceleration of these slides relative to the parent [m/s], [m/s2].
     position : ndarray, shape (n, 2)
-        Of the origins, from that of the block [m].
+        Positions of the origins relative to that of the block [m].
     velocity, acceleration : ndarray, shape (n, 3)
-        Of the origins [m/s], [m/s2] and of the angles [rad/s], [rad/s2].
+        Rates of the origins [m/s], [m/s2] and of the angles [rad/s], [rad/s2].
     """
 
     axes: Matrix
@@ -59,7 +59,7 @@ class MotionChanges(NamedTuple):
     ----------
     position, velocity, acceleration : ndarray, shape (n, 3, m)
     by : Increments
-        Of the unknowns.
+        Changes of the coordinates by the unknowns.
     """
 
     position: np.ndarray
@@ -86,7 +86,7 @@ def chain_motion(joints: Joints, now: Motion, drive: CrankMotion) -> ChainMotion
     ----------
     joints : Joints
     now : Motion
-        Of all coordinates, n = m + k.
+        Motion in all n = m + k coordinates.
     drive : CrankMotion
 
     Returns

@@ -12,7 +12,7 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Matrix
 from .carrier import Carrier
-from .chain import LEVER, Bodies, Chain, Loads
+from .chain import REACTION, Bodies, Chain, Loads
 from .derivative import chain_derivative
 from .elimination import LUFactors, factorise, substitute
 from .equations import ChainForces, forces_at, point_of
@@ -22,26 +22,27 @@ from .inertia import coupling_of, frame_state
 from .laws import add_laws, law_sizes
 from .loads import AppliedForces, loads_at
 from .motion import ChainMotion, Increments, chain_motion
+from .pin_friction import pin_friction_from
 from .slider_crank import CrankMotion
 
-PASSES = 80
-"""Most evaluations of the residual; three are usual."""
+MOST_EVALUATIONS = 80
+"""Maximum number of evaluations of the residual. Three are usual."""
 
-MOST_PASSES = 40
-"""Most passes to coupled modes. Each gains about four digits."""
+MOST_COUPLING_PASSES = 40
+"""Maximum number of iterations for coupled modes. Each gains about four digits."""
 
 ROUND_OFF = 4e-15
-"""Of a coordinate or a force: some last digits, of the sum of many terms."""
+"""Relative round-off of a coordinate or a force, which is a sum of many terms."""
 
 
 class ChainFactors(NamedTuple):
-    """A tangent of m joint coordinates and k modes, factorised.
+    """Factors of a tangent of m joint coordinates and k modes.
 
     Parameters
     ----------
     arrow : Arrow
     rigid : LUFactors
-        Of its m rows without modes (Eq. (D64)).
+        Factors of its m rows after the elimination of modes (Eq. (D64)).
     """
 
     arrow: Arrow
@@ -55,9 +56,9 @@ class Linearisation(NamedTuple):
     ----------
     forces : ChainForces
     factors : ChainFactors
-        Of the tangent.
+        Factors of the tangent.
     on_block : ndarray, shape (3, m + k)
-        Of `ChainForces.on_block`.
+        Derivative of `ChainForces.on_block`.
     law_slopes
         As of `Loads`.
     """
@@ -74,11 +75,11 @@ class ChainSolution(NamedTuple):
     Parameters
     ----------
     now : Motion
-        Of all m + k coordinates.
+        Motion in all m + k coordinates.
     loads : Loads
     linear : Linearisation
     evaluations, tangents : int
-        How often residual (0 if it did not converge) and tangent were computed.
+        Numbers of evaluations of the residual, 0 if it did not converge, and of the tangent.
     change : float
         Last change of the unknowns in the norm of the inertia; relative if it did not converge.
     """
@@ -103,21 +104,20 @@ def solve_motion(
 ) -> ChainSolution:
     """Solve for the unknowns at the end of a step that fulfil the equations of motion.
 
-    The error is about 1e-15 of their size, or the round-off of positions.
+    The error is about 1e-15 of their size, or the round-off of positions and forces. This round-off
+    is larger in short steps of a slow motion, and where large forces balance each other.
 
-    Newton's method with the tangent without coupling of modes (Eq. (D4)), which is smaller by
-    2 w c1, about 1e-4: each iteration gains three to four digits with the first tangent.
-    Dry friction that nearly sticks needs more. If the next change would not shrink, a change is
-    halved (natural monotonicity test, [Deuflhard2011] ch. 3). If changes shrink slowly, the tangent
-    is recomputed. In short steps of a calm motion the last digit of a position is worth more
-    acceleration than that, and where forces balance so is the last digit of a force: then these
-    decide.
+    Newton's method omits the coupling of modes in the tangent (Eq. (D4)), which is smaller by
+    2 w c1, about 1e-4. Each iteration with the first tangent gains three to four digits. Dry
+    friction that nearly sticks needs more iterations. If the next change is not smaller, the last
+    change is halved (natural monotonicity test, [Deuflhard2011] ch. 3). If changes decrease slowly,
+    the tangent is recomputed.
 
     Parameters
     ----------
     chain : Chain
     applied : AppliedForces
-        Of all elements.
+        Applied forces of all elements.
     predicted : Prediction
         With unknowns of zero.
     guess : ndarray, shape (m + k,)
@@ -143,15 +143,15 @@ def solve_motion(
     factors = factorise_chain(slope.arrow)
     tangents = 1
     change = np.zeros(n)
-    size, total, noise, share = 0.0, 0.0, 0.0, 1.0
-    for evaluation in range(1, PASSES):
+    size, total, noise, share = 0.0, 0.0, 0.0, 1.0  # of the change, of the unknowns; round-off
+    for evaluation in range(1, MOST_EVALUATIONS):
         if evaluation > 1:
             at = chain_motion(chain.joints, now, drive)
             loads = loads_at(chain, applied, at, now)
             if has_laws:
                 add_laws(chain, at, drive.angle, loads)
             forces = forces_at(chain, loads, at, now, carrier)
-            if evaluation == 2:  # it hardly changes any more
+            if evaluation == 2:  # the noise changes little after the first iteration
                 noise = ROUND_OFF * _noise(chain, loads, now, forces, slope, by)
             if size <= 1e-11 * total + noise:
                 slope = chain_derivative(chain, loads, now, forces, by)
@@ -165,19 +165,19 @@ def solve_motion(
                     tangents=tangents + 1,
                     change=size,
                 )
-        fresh = substitute_chain(factors, forces.residual)
-        left = np.sqrt(squared_size(slope.arrow, fresh))
-        if evaluation > 1 and left > (1 - share / 4) * size:
+        next_change = substitute_chain(factors, forces.residual)
+        next_size = np.sqrt(squared_size(slope.arrow, next_change))
+        if evaluation > 1 and next_size > (1 - share / 4) * size:
             share /= 2
             for k in range(n):
                 unknown[k] += share * change[k]
         else:
-            if evaluation > 1 and left > 0.1 * size:
+            if evaluation > 1 and next_size > 0.1 * size:
                 slope = chain_derivative(chain, loads, now, forces, by)
                 factors = factorise_chain(slope.arrow)
-                fresh = substitute_chain(factors, forces.residual)
+                next_change = substitute_chain(factors, forces.residual)
                 tangents += 1
-            change = fresh
+            change = next_change
             share = 1.0
             for k in range(n):
                 unknown[k] -= change[k]
@@ -192,7 +192,7 @@ def solve_motion(
 
 @compilable
 def _move(now, predicted, by, unknown):
-    """Put a motion where the unknowns take the predicted one."""
+    """Write the motion that follows from the predicted one by the unknowns."""
     for k in range(len(unknown)):
         now.position[k] = predicted.position[k] + by.position[k] * unknown[k]
         now.velocity[k] = predicted.velocity[k] + by.velocity[k] * unknown[k]
@@ -213,10 +213,10 @@ def squared_size(arrow: Arrow, a: np.ndarray) -> float:
 
 @compilable
 def _noise(chain, loads, now, forces, slope, by):
-    """Return the size of accelerations if nothing cancelled, in the norm of `squared_size`.
+    """Return the size of accelerations by all terms without sign, in the norm of `squared_size`.
 
-    They are those that change positions by themselves, and those of the terms of all forces. The
-    round-off of accelerations is a share of it.
+    The terms are those of positions and of all forces. The round-off of accelerations is a share of
+    this size.
     """
     arrow, d = slope.arrow, slope.motion
     m, k = len(arrow.top), len(arrow.diagonal)
@@ -228,9 +228,9 @@ def _noise(chain, loads, now, forces, slope, by):
             for i in range(3):
                 row += abs(d.acceleration[b, i, j]) * rows[b, i]  # Eq. (D61)
         of_forces += row**2 / abs(arrow.top[j, j])
-    climb = np.abs(forces.inertia.frames)
+    frames = np.abs(forces.inertia.frames)
     for b in range(len(rows)):
-        f = frame_state(climb, b)
+        f = frame_state(frames, b)
         for i in range(chain.bodies.first_mode[b], chain.bodies.first_mode[b + 1]):
             row = abs(loads.modal[i]) + chain.bodies.stiffness[i] * abs(now.position[m + i])
             row += abs(chain.bodies.T[X, i]) * f.ax + abs(chain.bodies.T[Y, i]) * f.ay
@@ -246,20 +246,21 @@ def _noise(chain, loads, now, forces, slope, by):
 
 @compilable
 def _sizes(chain, loads, forces):
-    """Return the sums of the sizes of all forces and moments on each body, (n, 3)."""
+    """Return the sums of the absolute forces [N] and moments [N m] on each body, (n, 3)."""
     bodies, elements, at = chain.bodies, chain.elements, forces.motion
     out = np.empty((len(bodies.mass), 3))
     frames = np.abs(forces.inertia.frames)
     for b in range(len(out)):
         f = frame_state(frames, b)
-        climb = f.ax + f.ay
-        push = abs(forces.joint_wrench[b, X]) + abs(forces.joint_wrench[b, Y])
-        out[b, X] = out[b, Y] = bodies.mass[b] * climb
-        out[b, TURN] = (f.sx + f.sy) * climb + chain.joints.friction[b, LEVER] * push
+        acceleration = f.ax + f.ay
+        joint_force = abs(forces.joint_wrench[b, X]) + abs(forces.joint_wrench[b, Y])
+        out[b, X] = out[b, Y] = bodies.mass[b] * acceleration
+        lever = pin_friction_from(chain.joints.friction[b]).lever
+        out[b, TURN] = (f.sx + f.sy) * acceleration + lever * joint_force
     first = len(loads.wrench) - len(loads.law_slopes)
     for e in range(len(loads.wrench)):
         x, y = abs(loads.wrench[e, X]), abs(loads.wrench[e, Y])
-        turn, back = abs(loads.wrench[e, TURN]), abs(loads.wrench[e, 3])
+        turn, back = abs(loads.wrench[e, TURN]), abs(loads.wrench[e, REACTION])
         if e >= first:
             x, y, turn = law_sizes(chain, at, loads, e - first)
             back = turn
@@ -356,12 +357,12 @@ def solve_coupled(
     factors: ChainFactors,
     right: np.ndarray,
 ) -> np.ndarray:
-    """Return x of the total tangent, modes coupled, to 1e-13 of its size.
+    """Return x of (tangent with coupled modes) x = right, to 1e-13 of its size.
 
     Eq. (N3):  x <- arrow^-1 (right - coupling x)
 
-    The coupling is small (Eq. (D4)), so that each pass gains about four digits, at the price of a
-    product with it; a factorisation would cost as much as hundreds of passes.
+    The coupling is small (Eq. (D4)), so each iteration gains about four digits. It costs a product
+    with the coupling. A factorisation would cost as much as hundreds of iterations.
 
     Parameters
     ----------
@@ -382,17 +383,17 @@ def solve_coupled(
         return x
     arrow = factors.arrow
     m = len(arrow.top)
-    left = right.copy()
-    for _ in range(MOST_PASSES):
-        push = mode_coupling(bodies, at, carrier, by, x)
-        for k in range(len(push)):
-            left[m + k] = right[m + k] - push[k]  # Eq. (N3)
-        fresh = substitute_chain(factors, left)
+    uncoupled = right.copy()
+    for _ in range(MOST_COUPLING_PASSES):
+        coupling = mode_coupling(bodies, at, carrier, by, x)
+        for k in range(len(coupling)):
+            uncoupled[m + k] = right[m + k] - coupling[k]  # Eq. (N3)
+        next_x = substitute_chain(factors, uncoupled)
         for k in range(len(x)):
-            x[k] = fresh[k] - x[k]
-        if squared_size(arrow, x) <= 1e-26 * squared_size(arrow, fresh):
-            return fresh
-        x = fresh
+            x[k] = next_x[k] - x[k]
+        if squared_size(arrow, x) <= 1e-26 * squared_size(arrow, next_x):
+            return next_x
+        x = next_x
     x[0] = np.nan
     return x
 
@@ -427,14 +428,14 @@ def mode_coupling(
             continue
         w = at.velocity[b, TURN] + carrier.w
         alpha = at.acceleration[b, TURN] + carrier.alpha
-        turned, flung = np.empty(k), np.empty(k)
+        by_g, by_b = np.empty(k), np.empty(k)
         for i in range(k):
             j = m + begin + i
             # Eq. (D4)
-            turned[i] = (2 * w * by.velocity[j] + alpha * by.position[j]) * unknowns[j]
-            flung[i] = w * w * by.position[j] * unknowns[j]
+            by_g[i] = (2 * w * by.velocity[j] + alpha * by.position[j]) * unknowns[j]
+            by_b[i] = w * w * by.position[j] * unknowns[j]
         table = coupling_of(bodies, b)
-        coriolis, centrifugal = table[k:] @ turned, table[:k] @ flung
+        coriolis, centrifugal = table[k:] @ by_g, table[:k] @ by_b
         for i in range(k):
             out[begin + i] = coriolis[i] - centrifugal[i]
     return out

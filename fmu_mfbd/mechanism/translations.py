@@ -1,7 +1,11 @@
-"""Translations of the joints of a chain: how each moves its body, and its rows in the equations.
+"""Translations of the joints of a chain: motion of the bodies, and rows in the equations.
 
-A joint slides along directions with one coordinate each, fixed in the axes of the parent or of the
-block. What a coordinate means is data (`chain.Slide`): a play in a film, a guide, a slider.
+A joint slides along directions with one coordinate each, which are fixed in the axes of the parent
+or of the block (`chain.Joints`). A coordinate can be a play in a film, a guide or a slider.
+
+Functions use b for the number of a body, k for a slide, and p for the parent. `at` is the
+`ChainMotion`, `now` the motion in all coordinates, `by` the `Increments`, and `d` the
+`MotionChanges`.
 """
 
 from typing import NamedTuple
@@ -30,7 +34,7 @@ class Sliding(NamedTuple):
 
 @compilable
 def sliding_of(joints: Joints, b: int, axes: int, now: Motion) -> Sliding:
-    """Return the sum of all slides of body b in these axes."""
+    """Return the sum of all slides of body b in `axes`, `IN_BLOCK` or `IN_PARENT`."""
     x, y, vx, vy, ax, ay = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(joints.first_slide[b], joints.first_slide[b + 1]):
         if joints.turns[k] == axes:
@@ -45,8 +49,8 @@ def sliding_of(joints: Joints, b: int, axes: int, now: Motion) -> Sliding:
 
 
 @compilable
-def way_of(joints: Joints, k: int, p: int, at) -> tuple[float, float]:
-    """Return the direction of slide k of a joint on body p in the block's axes [-]."""
+def slide_direction(joints: Joints, k: int, p: int, at) -> tuple[float, float]:
+    """Return the direction of slide k of a joint in the block's axes [-]; p is its parent."""
     x, y = joints.direction[k, X], joints.direction[k, Y]
     if p < 0 or joints.turns[k] == IN_BLOCK:
         return x, y
@@ -114,7 +118,7 @@ def put_origin_changes(joints, b, at, by, d):
     for k in range(joints.first_slide[b], joints.first_slide[b + 1]):
         # Eq. (K41)
         j = joints.slide[k]
-        x, y = way_of(joints, k, p, at)
+        x, y = slide_direction(joints, k, p, at)
         d.position[b, X, j] += x * by.position[j]
         d.position[b, Y, j] += y * by.position[j]
         d.velocity[b, X, j] += x * by.velocity[j]
@@ -165,7 +169,7 @@ def add_slide_rows(joints, b, at, force, residual):
     """Add the force that body b needs to the rows of its slides and to that of its parent."""
     p = joints.parent[b]
     for k in range(joints.first_slide[b], joints.first_slide[b + 1]):
-        x, y = way_of(joints, k, p, at)
+        x, y = slide_direction(joints, k, p, at)
         residual[joints.slide[k]] += x * force[b, X] + y * force[b, Y]
     if p >= 0:
         force[p, X] += force[b, X]
@@ -180,7 +184,7 @@ def add_slide_row_changes(joints, b, at, force, d, change, top):
     m, columns = d.position.shape[2], change.shape[2]
     for k in range(joints.first_slide[b], joints.first_slide[b + 1]):
         i = joints.slide[k]
-        x, y = way_of(joints, k, p, at)
+        x, y = slide_direction(joints, k, p, at)
         if x != 0.0:
             for j in range(columns):
                 top[i, j] += x * change[b, X, j]

@@ -1,4 +1,4 @@
-"""Offline work of the block's FMU: reduce it, or find it in the cache."""
+"""Build of the block's FMU: reduce the block, or read it from the cache."""
 
 from pathlib import Path
 from typing import Any
@@ -50,7 +50,7 @@ def prepare(
     plan = plan_of(build)
     with reducing("monoblock", build.mesh, progress) as say:
 
-        def made():
+        def build_body():
             placed = build.mesh_unit, build.axes, build.origin, build.part
             mesh = read_mesh(build.mesh, dict.fromkeys(plan.surfaces()), *placed, say)
             material = build.young, build.poisson, build.density
@@ -59,7 +59,7 @@ def prepare(
             body = free_block(mesh, material, build.head_mass, build.crank_mass)
             return (reduce_monoblock(body, plan, say),)
 
-        path = stored_file("monoblock", contents(build), made, cache_folder("bodies"))
+        path = stored_file("monoblock", contents(build), build_body, cache_folder("bodies"))
     resolved = {
         "file": path.name,
         "cylinders": len(build.cylinder_z),

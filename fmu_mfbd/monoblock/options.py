@@ -1,4 +1,4 @@
-"""What a case file may say about a block of several cylinders."""
+"""Options of a case file for a block of several cylinders."""
 
 from typing import Annotated
 

@@ -15,7 +15,7 @@ from ..dynamics.monoblock import (
     CylinderMotion,
     MountedMonoblock,
 )
-from ..dynamics.parameters import taken
+from ..dynamics.parameters import parameters_from
 from ..reduction.reduced_body import ReducedMonoblock, load
 from . import variables as table
 from .variables import AXES, BlockScalars, ports
@@ -49,7 +49,7 @@ class Monoblock(FieldSlave):
         body = load(ReducedMonoblock, self.resources / self.options["file"])
         mounts = range(1, self.options["mounts"] + 1)
         springs = [[values[f"mount_{k}_stiffness_{axis}"] for axis in AXES] for k in mounts]
-        p = taken(BlockParameters, values)
+        p = parameters_from(BlockParameters, values)
         self.model = MountedMonoblock(body, np.array(springs), p)
         if self.model.loose():
             raise BadInput(
@@ -72,7 +72,7 @@ class Monoblock(FieldSlave):
     def directional_derivative(self, seeds: dict[str, Any]) -> dict[str, Any]:
         """Return the product of the step map's derivative with the seed fields."""
         assert self.state is not None  # a derivative is asked of a step
-        return _told(self.model.change(self.state, self._cylinders(seeds)))
+        return _outputs_of(self.model.change(self.state, self._cylinders(seeds)))
 
     def _cylinders(self, values: dict[str, Any]) -> list[Cylinder]:
         """Return the forces of each cylinder."""
@@ -96,7 +96,7 @@ class Monoblock(FieldSlave):
             power_error=model.energy_error(before, now) / step if step > 0.0 else 0.0,
         )
         return {
-            **_told(motions),
+            **_outputs_of(motions),
             **_six(("displacement", "rotation"), now.position),
             **_six(("velocity", "rotation_velocity"), now.velocity),
             **_six(("shaking_force", "shaking_moment"), now.force),
@@ -105,7 +105,7 @@ class Monoblock(FieldSlave):
         }
 
 
-def _told(motions: list[CylinderMotion]) -> dict[str, Any]:
+def _outputs_of(motions: list[CylinderMotion]) -> dict[str, Any]:
     """Return the motion of the block at the cylinders, by variable."""
     return {
         f"cylinder_{k}.{name}": value

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from ..finite_elements.element import Sparse, rigid_motions
 from ..finite_elements.solver import Factorise, Factors, factorise
 
-EQUAL = 1e-6
+EQUAL_TOLERANCE = 1e-6
 """Entries of a shape with a smaller relative difference are equal up to round-off [-]."""
 
 
@@ -300,7 +300,7 @@ def orthonormal_modes(body: Elastic, shapes: np.ndarray) -> Modes:
     modes = (shapes @ turn / np.sqrt(square))[:, ::-1]
     size = np.abs(modes)
     # equal entries of a symmetric body differ by round-off, which must not choose the sign
-    first = (size > (1.0 - EQUAL) * size.max(axis=0)).argmax(axis=0)
+    first = (size > (1.0 - EQUAL_TOLERANCE) * size.max(axis=0)).argmax(axis=0)
     modes = modes * np.sign(modes[first, np.arange(modes.shape[1])])
     return Modes(modes, 1.0 / np.sqrt(square[::-1]))
 

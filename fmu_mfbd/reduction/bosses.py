@@ -121,8 +121,8 @@ def without_shell(
     position: np.ndarray, faces: np.ndarray, radius: float, around: int, stations: np.ndarray
 ) -> int:
     """Return how many cells of a film have no bore under them; arguments as for `shell_reading`."""
-    there = covered(about_y(position), faces, shell_angles(around), stations, radius)
-    return int(np.count_nonzero(~there))
+    has_bore = covered(about_y(position), faces, shell_angles(around), stations, radius)
+    return int(np.count_nonzero(~has_bore))
 
 
 def about_y(position):

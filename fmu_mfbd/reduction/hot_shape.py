@@ -40,7 +40,7 @@ LEAST_HOT = 500.0
 
 The coldest part of a piston or cylinder in an engine is not hotter. 227 degC is 500 K, and numbers
 in kelvin that are read as degrees Celsius begin above."""
-SHARED = 0.2
+LEAST_SHARED_LENGTH = 0.2
 """Least length that table and body share, by the longer of both, our own choice: wrong units of
 length differ by a factor of 10 or more, inches and centimetres excepted."""
 OF_MODES = {
@@ -177,7 +177,7 @@ def _places(table: Table, points: np.ndarray) -> list[str]:
     ):
         low, high = float(value.min()), float(value.max())
         begins = (low, 0.0) if name == "radii" else (low,)
-        inside = _shared(line, low, high) >= SHARED * (high - low)
+        inside = _shared(line, low, high) >= LEAST_SHARED_LENGTH * (high - low)
         if line.size > 1 and not (inside and any(_fits(line, one, high) for one in begins)):
             faults.append(
                 f"expected {name} that cover {1e3 * low:.4g} to {1e3 * high:.4g} mm, those of the "
@@ -188,7 +188,7 @@ def _places(table: Table, points: np.ndarray) -> list[str]:
 
 def _fits(line: np.ndarray, low: float, high: float) -> bool:
     """Return whether a line of positions shares enough of its length with low to high."""
-    return _shared(line, low, high) >= SHARED * max(line[-1] - line[0], high - low)
+    return _shared(line, low, high) >= LEAST_SHARED_LENGTH * max(line[-1] - line[0], high - low)
 
 
 def _shared(line: np.ndarray, low: float, high: float) -> float:
@@ -328,7 +328,7 @@ def on_skirt(
     ends_cold : (float, float)
         y_l and y_u [m].
     motion : ndarray, shape (6,)
-        Of the pin bores.
+        Mean motion of the pin bores.
     """
     around, along = grid
     lower, upper = ends_cold

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from ..finite_elements.element import Sparse
 from ..finite_elements.faces import triangle_functions
 
-BESIDE = 1e-3
+SURFACE_TOLERANCE = 1e-3
 """Largest distance of a point from a surface with straight edges, relative to the radius."""
 
 
@@ -73,18 +73,19 @@ def covered(
     height: np.ndarray,
     radius: float,
 ) -> np.ndarray:
-    """Return which grid points have the surface within `BESIDE`, (angles, heights).
+    """Return which grid points have the surface within `SURFACE_TOLERANCE`, (angles, heights).
 
     Arguments are those of `interpolation`.
     """
     at = _nearest_points(points, triangles, angle, height, radius, holes=False)
-    return (at.distance <= BESIDE * radius).reshape(len(angle), len(height))
+    return (at.distance <= SURFACE_TOLERANCE * radius).reshape(len(angle), len(height))
 
 
 def _nearest_points(points, triangles, angle, height, radius, holes):
     """Return the nearest point of the developed surface to each grid point, j fastest.
 
-    Without `holes`, the distance of points that are not within `BESIDE` is any larger value.
+    Without `holes`, the distance of points that are not within `SURFACE_TOLERANCE` is any larger
+    value.
     """
     corner = points[triangles[:, :3]]
     turn = np.arctan2(corner[:, :, 0], corner[:, :, 2])
@@ -93,8 +94,8 @@ def _nearest_points(points, triangles, angle, height, radius, holes):
     turn = first + np.remainder(turn - first + np.pi, 2 * np.pi) - np.pi
     centre = turn.mean(axis=1)
     flat = np.stack([radius * turn, corner[:, :, 1]], axis=-1)
-    lowest = flat[:, :, 0].min(axis=1) - BESIDE * radius
-    highest = flat[:, :, 0].max(axis=1) + BESIDE * radius
+    lowest = flat[:, :, 0].min(axis=1) - SURFACE_TOLERANCE * radius
+    highest = flat[:, :, 0].max(axis=1) + SURFACE_TOLERANCE * radius
     nearest = []
     for theta in angle:
         x = radius * (centre + np.remainder(theta - centre + np.pi, 2 * np.pi) - np.pi)
@@ -105,7 +106,7 @@ def _nearest_points(points, triangles, angle, height, radius, holes):
             if len(near):
                 at = _nearest(flat[near], x[near], y)
                 at = at._replace(triangle=near[at.triangle])
-            if holes and (at.distance > BESIDE * radius).any():
+            if holes and (at.distance > SURFACE_TOLERANCE * radius).any():
                 at = _nearest(flat, x, y)
             nearest.append(at)
     return SurfacePoints(*map(np.concatenate, zip(*nearest)))

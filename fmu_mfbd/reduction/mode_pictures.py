@@ -13,7 +13,7 @@ from .mode_tables import ModeRow
 from .reduced_body import Anatomy
 
 COLUMNS, ROWS = 4, 3
-LARGEST = 0.08  # displacement drawn, of the body's size
+DRAWN_DISPLACEMENT = 0.08  # displacement drawn, of the body's size
 LIGHT = np.array([0.6, 0.75, 0.28])
 
 
@@ -47,7 +47,7 @@ def draw_modes(anatomy: Anatomy, table: Sequence[ModeRow], path: Path | str) -> 
 def _draw(axes, points, corners, shape):
     """Draw the deformed surface."""
     size = np.ptp(points, axis=0).max()
-    deformed = points + shape * (LARGEST * size / np.linalg.norm(shape, axis=1).max())
+    deformed = points + shape * (DRAWN_DISPLACEMENT * size / np.linalg.norm(shape, axis=1).max())
     normal = _normals(deformed[corners])
     outwards = np.einsum("ta,ta->t", shape[corners].mean(axis=1), _normals(points[corners]))
     colour = colormaps["RdBu_r"](0.5 + 0.5 * outwards / np.abs(outwards).max())

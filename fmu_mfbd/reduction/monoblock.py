@@ -29,7 +29,7 @@ from .reduce import film_surface
 from .reduced_body import ReducedMonoblock
 
 Say = Callable[[str], None]
-SLACK = 1e-3
+BORE_TOLERANCE = 1e-3
 """Largest error of the bores' position and length in the mesh, relative to the radius."""
 
 
@@ -141,7 +141,7 @@ def readings(mesh: Mesh, plan: Plan) -> Readings:
         surface = film_surface(shifted, name, angle, heights)
         bores.append(surface.reading)
         radii.append(surface.radius)
-    if np.ptp(radii) > SLACK * radii[0]:
+    if np.ptp(radii) > BORE_TOLERANCE * radii[0]:
         faults.append(f"bores: expected equal radii, got {', '.join(f'{r:g} m' for r in radii)}")
     if faults:
         raise MeshFault(faults)
@@ -163,7 +163,7 @@ def _bore_faults(mesh: Mesh, name: str, plan: Plan) -> list[str]:
     """Return the faults of a bore whose axis is at z = 0."""
     x, y, z = mesh.points[mesh.nodes(name)].T
     radius = np.hypot(x, z)
-    slack = SLACK * radius.mean()
+    slack = BORE_TOLERANCE * radius.mean()
     if np.ptp(radius) > slack:
         return [
             f"{name}: expected a cylinder about the axis of cylinder_z, got radii of "

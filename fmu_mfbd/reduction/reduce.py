@@ -90,7 +90,7 @@ class FilmSide(NamedTuple):
         Lines of the grid [rad], [m].
     along : float
         Correlation length of the pressure as a share of the surface's length, `smooth_prior.ALONG`.
-    there : ndarray of bool, shape (points,)
+    has_film : ndarray of bool, shape (points,)
         Points that have the surface under them.
     training : FilmLoads or None
         Film forces of an earlier run at the points.
@@ -103,14 +103,14 @@ class FilmSide(NamedTuple):
     angle: np.ndarray
     height: np.ndarray
     along: float
-    there: np.ndarray
+    has_film: np.ndarray
     training: FilmLoads | None
     bosses: Shells | None = None
     boss_films: ShellFilm | None = None
 
     def root(self, parity: int) -> np.ndarray:
         """Return S of Eq. (J31)."""
-        return pressure_root(self.angle, self.height, self.along, self.there, parity)
+        return pressure_root(self.angle, self.height, self.along, self.has_film, parity)
 
 
 class Basis(NamedTuple):
@@ -187,17 +187,19 @@ def reduce_piston(
     """
     mesh = read_body(options, progress)
     full = _matrices(mesh, options, progress)
-    body, position, angle, height, reading, mass, there = placed_piston(mesh, options, grid, full)
+    body, position, angle, height, reading, mass, has_film = placed_piston(
+        mesh, options, grid, full
+    )
     progress(
         f"skirt from {1e3 * body.skirt_lower:.4g} to {1e3 * body.skirt_upper:.4g} mm about the "
         f"pin, {body.mass:.4g} kg"
     )
-    if not there.all():
+    if not has_film.all():
         progress(
-            f"{np.count_nonzero(~there)} of {there.size} cells of the film grid have no skirt "
-            "under them, and no film"
+            f"{np.count_nonzero(~has_film)} of {has_film.size} cells of the film grid have no "
+            "skirt under them, and no film"
         )
-    properties = MeshProperties(mass, len(angle), there)
+    properties = MeshProperties(mass, len(angle), has_film)
     if not options.modes:
         return Reduced(body, _anatomy(mesh, position), properties)
     assert full  # of a flexible body
@@ -221,7 +223,7 @@ def reduce_piston(
         angle=angle,
         height=height,
         along=ALONG["skirt"],
-        there=there.ravel(),
+        has_film=has_film.ravel(),
         training=film_forces,
         bosses=read,
         boss_films=bosses,
@@ -333,7 +335,7 @@ def reduce_block(
         angle=angle,
         height=heights,
         along=ALONG["bore"],
-        there=everywhere,
+        has_film=everywhere,
         training=film_forces,
     )
     no_loads = np.empty((3 * len(mesh.points), 0))
@@ -473,7 +475,9 @@ def _modes(
     if parity:
         odd = surface_answers(elastic, reading, film.root(-parity))
         whole = SurfaceAnswers(*map(np.hstack, zip(answers, odd)))
-    patches = edge_patches(film.angle, film.height, film.along, film.there, options.symmetric_film)
+    patches = edge_patches(
+        film.angle, film.height, film.along, film.has_film, options.symmetric_film
+    )
     edges = [surface_answers(elastic, reading, one) for one in patches]
     elastic.forget_factors()
     modes = orthonormal_modes(elastic, shapes)
@@ -486,8 +490,8 @@ def _modes(
     radial, axial = (one @ classed.shapes for one in film.reading)
     static = StaticModes(classed.omega, radial, axial)
     left = replace(
-        left_out(whole, static, film.there),
-        smooth_error=smooth_error(answers, static, film.there),
+        left_out(whole, static, film.has_film),
+        smooth_error=smooth_error(answers, static, film.has_film),
         edge_errors=np.array([edge_error(one, static) for one in edges]),
     )
     progress(f"{len(classed.omega)} modes: {left.errors_in_words()}")

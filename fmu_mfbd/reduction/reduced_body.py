@@ -128,7 +128,7 @@ class ReducedBlock:
     heights : ndarray, shape (stations,)
         Above the crank axis, equally spaced [m].
     radius : float
-        Of the bore [m].
+        Radius of the bore [m].
     """
 
     omega: np.ndarray
@@ -302,7 +302,7 @@ class MeshProperties:
     rigid_mass : ndarray, shape (6, 6)
         [kg], [kg m], [kg m2]
     angles : int
-        Of the film grid.
+        Number of angles of the film grid.
     skirt : ndarray of bool, shape (angles, rows)
         Which cells of the film grid have the skirt under them; empty for a block.
     seconds : float

@@ -17,7 +17,7 @@ from ..geometry.grid import film_rows
 from ..options import RoundShell, SmallEnd
 from .bases import Elastic, orthonormal_modes
 from .bosses import Shells, cell_means, out_of_round, shell_reading, with_boss_modes, without_shell
-from .interpolation import BESIDE
+from .interpolation import SURFACE_TOLERANCE
 from .reading import read_surfaces
 from .reduced_body import SMALL_END, ReducedShell, ShellFilm, ShellKind
 
@@ -42,7 +42,7 @@ def film_shell(mesh: Mesh, film: ShellFilm, kind: ShellKind = SMALL_END) -> Shel
     if fault := out_of_round(mesh.points, faces, radius):
         faults.append(f"{kind.title}: surface '{kind.bore}': {fault}")
     elif (bare := without_shell(mesh.points, faces, radius, around, stations)) or (
-        film.length / 2 > (1 + BESIDE) * min(z.max(), -z.min())
+        film.length / 2 > (1 + SURFACE_TOLERANCE) * min(z.max(), -z.min())
     ):
         faults.append(
             f"{kind.title}: surface '{kind.bore}': expected a bore under all of {kind.length} = "

@@ -20,10 +20,10 @@ The bore has one set of modes for all positions of the skirt, so that it resolve
 THRUST, NEAR = 0.01, np.radians(10.0)
 """Additional expected pressure near the thrust lines, and its width. Otherwise round-off would
 choose between equal patterns of a symmetric body."""
-NARROW = 0.25
+PATCH_WIDTH = 0.25
 """Width of a narrow patch relative to the correlation lengths, our own choice: 15 deg and a tenth
 of the skirt at half its height."""
-NEGLIGIBLE = 1e-8
+NEGLIGIBLE_VARIANCE = 1e-8
 """Smallest variance of a pattern that is used, relative to the largest."""
 AT_ONCE = 64
 """Number of loads for each solution, which limits the memory."""
@@ -49,7 +49,7 @@ class SurfaceAnswers(NamedTuple):
 
 
 def pressure_root(
-    angle: np.ndarray, height: np.ndarray, along: float, there: np.ndarray, parity: int = 0
+    angle: np.ndarray, height: np.ndarray, along: float, has_film: np.ndarray, parity: int = 0
 ) -> np.ndarray:
     """Return a root of the prior covariance of nodal pressure forces.
 
@@ -71,7 +71,7 @@ def pressure_root(
         [m]
     along : float
         L_y as a share of the surface's length, see `ALONG` [-].
-    there : ndarray of bool, shape (c a,)
+    has_film : ndarray of bool, shape (c a,)
         Points that have a film, height fastest.
     parity : int
         1: even part about the thrust plane, -1: odd part, 0: whole pressure.
@@ -83,24 +83,24 @@ def pressure_root(
     """
     around, axial, variance = _prior(angle, height, along, parity)
     strength = np.sort(variance, axis=None)[::-1]
-    strength = strength[strength > NEGLIGIBLE * strength[0]]
+    strength = strength[strength > NEGLIGIBLE_VARIANCE * strength[0]]
     i, j = np.unravel_index(np.argsort(-variance, axis=None)[: len(strength)], variance.shape)
     patterns = around[:, None, i] * axial[None, :, j]
     root = patterns.reshape(-1, len(strength)) * np.sqrt(strength)
-    return _expected(angle, there)[:, None] * root  # Eq. (J31)
+    return _weights(angle, has_film)[:, None] * root  # Eq. (J31)
 
 
-def _expected(angle, there):
-    """Diagonal of D."""
+def _weights(angle, has_film):
+    """Return the diagonal of D, Eq. (J31)."""
     from_thrust = np.arcsin(np.abs(np.cos(angle)))
     weight = 1.0 + THRUST * np.exp(-((from_thrust / NEAR) ** 2) / 2)
-    return np.repeat(weight, len(there) // len(angle)) * there
+    return np.repeat(weight, len(has_film) // len(angle)) * has_film
 
 
 def pattern_count(angle: np.ndarray, height: np.ndarray, along: float, parity: int = 0) -> int:
     """Return the number of columns of `pressure_root`, which has the same arguments."""
     variance = _prior(angle, height, along, parity).variance
-    return int(np.count_nonzero(variance > NEGLIGIBLE * variance.max()))
+    return int(np.count_nonzero(variance > NEGLIGIBLE_VARIANCE * variance.max()))
 
 
 class _Prior(NamedTuple):
@@ -123,30 +123,30 @@ def _prior(angle, height, along, parity):
 
 
 def _covariances(angle, height, along, width=1.0):
-    """C_theta and C_y of Eq. (J31) with `width` times the correlation lengths."""
+    """Return C_theta and C_y of Eq. (J31) with `width` times the correlation lengths."""
     length = width * along * np.ptp(height) * len(height) / (len(height) - 1)
-    around = np.exp(-((_apart(angle, angle) / (width * AROUND)) ** 2) / 2)
+    around = np.exp(-((_angle_between(angle, angle) / (width * AROUND)) ** 2) / 2)
     return around, np.exp(-(((height[:, None] - height) / length) ** 2) / 2)
 
 
 def _image(angle):
     """Index of the mirror image of each angle about the thrust plane."""
-    return np.abs(_apart(np.pi - angle, angle)).argmin(axis=1)
+    return np.abs(_angle_between(np.pi - angle, angle)).argmin(axis=1)
 
 
 def edge_patches(
-    angle: np.ndarray, height: np.ndarray, along: float, there: np.ndarray, symmetric: bool
+    angle: np.ndarray, height: np.ndarray, along: float, has_film: np.ndarray, symmetric: bool
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return narrow pressure patches at the lower and at the upper edge of a surface.
 
-    Eq. (J46):  p = D exp(-((d_theta/L_theta)^2 + (d_y/L_y)^2) / (2 b^2)),   b = `NARROW`
+    Eq. (J46):  p = D exp(-((d_theta/L_theta)^2 + (d_y/L_y)^2) / (2 b^2)),   b = `PATCH_WIDTH`
 
     D is 1 where there is a film. The lengths are those of Eq. (J31). The centres are the outermost
     cells with a film, at most some 36 around.
 
     Parameters
     ----------
-    angle, height, along, there
+    angle, height, along, has_film
         As for `pressure_root`.
     symmetric : bool
         Whether each patch has its mirror image about the thrust plane.
@@ -156,23 +156,23 @@ def edge_patches(
     ndarray, ndarray, shapes (c a, n)
         [-]
     """
-    around, axial = _covariances(angle, height, along, NARROW)
+    around, axial = _covariances(angle, height, along, PATCH_WIDTH)
     if symmetric:
         around = around + around[_image(angle)]
-    film = there.reshape(len(angle), len(height))
+    film = has_film.reshape(len(angle), len(height))
     column = np.flatnonzero(film.any(axis=1))[:: max(1, len(angle) // 36)]
     lower = film[column].argmax(axis=1)
     upper = len(height) - 1 - film[column, ::-1].argmax(axis=1)
 
     def patches(row):
         field = around[:, None, column] * axial[None, :, row] * film[:, :, None]  # Eq. (J46)
-        return field.reshape(len(there), len(column))
+        return field.reshape(len(has_film), len(column))
 
     return patches(lower), patches(upper)
 
 
-def _apart(first, second):
-    """Angles from each second to each first one, the shorter way around."""
+def _angle_between(first, second):
+    """Return the smaller angle between each first and each second angle [rad]."""
     return np.remainder(first[:, None] - second + np.pi, 2 * np.pi) - np.pi
 
 
@@ -210,7 +210,7 @@ def expected_patterns(answers: SurfaceAnswers, first: np.ndarray) -> np.ndarray:
     ndarray, shape (n, n)
         v_i, one a column.
     """
-    energy = answers.root.T @ _left(answers, first)
+    energy = answers.root.T @ _remaining_answers(answers, first)
     _, vector = la.eigh((energy + energy.T) / 2)  # Eq. (J32), rising
     return vector[:, ::-1]
 
@@ -239,7 +239,7 @@ def expected_missing(answers: SurfaceAnswers, first: np.ndarray, vector: np.ndar
     whole = np.linalg.norm(answers.radial @ patches, axis=0)
     shares = vector.T @ patches
     # a rotation of the surface's points keeps all norms
-    answer = np.asarray(np.linalg.qr(_left(answers, first) @ vector, mode="r"))
+    answer = np.asarray(np.linalg.qr(_remaining_answers(answers, first) @ vector, mode="r"))
     missing = np.zeros(shares.shape)
     out = [0.0]
     for column, share in zip(answer.T[::-1], shares[::-1]):
@@ -248,8 +248,8 @@ def expected_missing(answers: SurfaceAnswers, first: np.ndarray, vector: np.ndar
     return np.maximum.accumulate(out)[::-1]
 
 
-def _left(answers, first):
-    """R G R^T S, the radial answers that the first shapes leave."""
+def _remaining_answers(answers, first):
+    """Return R G R^T S of Eq. (J32), the radial deflections without those of the first shapes."""
     return answers.radial - first @ (first.T @ answers.root)
 
 

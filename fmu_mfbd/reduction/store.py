@@ -86,7 +86,7 @@ def kept_body(
     decided = _decided(options, grid, training, bosses)
     used: list[Any] = []
 
-    def made() -> tuple[Any, ...]:
+    def build_body() -> tuple[Any, ...]:
         from ..finite_elements.solver import CachedFactorise
         from .reduce import reduce_block, reduce_piston
 
@@ -104,7 +104,7 @@ def kept_body(
         body, anatomy, _, *rest = reduced
         return body, anatomy, properties, *(part for part in rest if part)
 
-    path = stored_file(name, decided, made, folder, not shapes)
+    path = stored_file(name, decided, build_body, folder, not shapes)
     for factors in used:
         factors.forget()
     return path
@@ -191,7 +191,7 @@ def stored_shell(
         If the mesh or the number of modes is wrong.
     """
 
-    def made() -> tuple[ReducedShell]:
+    def build_body() -> tuple[ReducedShell]:
         from ..finite_elements.matrices import assembled
         from .shell import reduce_shell, shell_mesh
 
@@ -200,4 +200,4 @@ def stored_shell(
         return (reduce_shell(body, film, progress, kind=kind),)
 
     decided = contents(options) | {"density": density, "film": list(film), "kind": list(kind)}
-    return stored_file(kind.title.replace(" ", "_"), decided, made, folder)
+    return stored_file(kind.title.replace(" ", "_"), decided, build_body, folder)

@@ -86,10 +86,10 @@ def pin_layer(mesh: Mesh, length: float | None) -> PinLayer:
     values, areas, faults = [], [], []
     for name, own in bosses.items():
         place = own, angle, np.sort(SIDES[name] * (depth[name].min() + rows)), radius
-        there = covered(about_y(position), *place).ravel()
+        has_bore = covered(about_y(position), *place).ravel()
         values.append(interpolation(about_y(position), *place))
-        areas.append(cell * there)
-        if not there.any():
+        areas.append(cell * has_bore)
+        if not has_bore.any():
             faults.append(
                 f"surface '{SURFACE}', {name}: expected a bore above the pin, got none{HINT}"
             )

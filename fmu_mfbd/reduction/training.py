@@ -9,9 +9,9 @@ from ..finite_elements.element import Sparse
 from .bases import Elastic
 from .film_loads import FilmLoads
 
-NEGLIGIBLE = 1e-4
+NEGLIGIBLE_STRENGTH = 1e-4
 """Smallest strength of a load pattern that is used, relative to the largest."""
-ENOUGH = 1e-3
+REMAINING_DEFLECTION = 1e-3
 """Largest remaining deflection, in the energy norm, relative to the whole."""
 AT_ONCE = 20
 """Number of loads for each solution, which limits the memory."""
@@ -47,7 +47,7 @@ def load_patterns(film: FilmLoads) -> LoadPatterns:
         strengths.append(strength)
     strength = np.concatenate(strengths)
     order = np.argsort(-strength, kind="stable")
-    significant = order[strength[order] > NEGLIGIBLE * strength.max()]
+    significant = order[strength[order] > NEGLIGIBLE_STRENGTH * strength.max()]
     return LoadPatterns(np.concatenate(patterns)[significant], strength[significant])
 
 
@@ -72,7 +72,8 @@ def trained_shapes(
     """Return the static shapes with the smallest remaining energy under film forces.
 
     Eq. (J19):  X = (K^-1 - Psi Psi^T) B V S,   X^T K X w_k = e_k w_k,   phi_k = X w_k e_k^-1/2
-                largest e_k first, until less than `ENOUGH`^2 of the energy of K^-1 B V S is left
+                largest e_k first, until less than e^2 of the energy of K^-1 B V S is left,
+                e = `REMAINING_DEFLECTION`
 
     B distributes pressure and friction from the points, V S are the patterns of Eq. (J18).
 
@@ -114,6 +115,6 @@ def trained_shapes(
     gram = answers.T @ loads
     energy, turn = la.eigh((gram + gram.T) / 2)  # Eq. (J19), rising
     energy = np.maximum(energy, 0.0)
-    enough = np.count_nonzero(np.cumsum(energy) > ENOUGH**2 * whole)
+    enough = np.count_nonzero(np.cumsum(energy) > REMAINING_DEFLECTION**2 * whole)
     best = np.arange(len(energy))[::-1][: min(enough, most)]
     return answers @ (turn[:, best] / np.sqrt(energy[best]))

@@ -13,15 +13,15 @@ import scipy.linalg as la
 from .film_loads import FilmLoads
 from .reduced_body import MissingShapes, ReducedBody
 
-if TYPE_CHECKING:  # slow to import, and used after runs without
+if TYPE_CHECKING:  # slow to import, and only its type is used
     from .smooth_prior import SurfaceAnswers
 
-COUNTED = 0.1
+LEAST_DEFLECTION = 0.1
 """Smallest deflection of an instant or a patch that is compared, relative to the largest. Our own
 choice."""
-NEGLIGIBLE = 1e-9
+NEGLIGIBLE_ENERGY = 1e-9
 """Missing shapes of less than this share of the strongest answer's energy are round-off."""
-THIN = 1e-7
+THIN_FILM = 1e-7
 """h_0 of Eq. (J34) [m]: below it asperities carry, and the mean gap has no meaning."""
 
 
@@ -33,7 +33,7 @@ class StaticModes(NamedTuple):
     omega : ndarray, shape (k,)
         [rad/s]
     radial, axial : ndarray, shape (points, k)
-        [kg^-1/2].
+        Displacements of the modes at the points of the surface [kg^-1/2].
     """
 
     omega: np.ndarray
@@ -50,8 +50,8 @@ class Truncation(NamedTuple):
         Root mean square of the missing radial deflection over that of the deflection, all points
         and instants [-].
     largest : float
-        The same for the worst single instant, of those with a deflection of at least `COUNTED` of
-        the largest one [-].
+        The same for the worst single instant, of those with a deflection of at least
+        `LEAST_DEFLECTION` of the largest one [-].
     missing : ndarray, shape (m, points)
         Missing deflection, positive where it opens the gap [m].
     """
@@ -68,33 +68,36 @@ def static_modes(body: ReducedBody) -> StaticModes:
 
 
 def unreached(answers: SurfaceAnswers, modes: StaticModes) -> tuple[np.ndarray, np.ndarray]:
-    """Return the radial and axial part of static answers that modes leave out, (points, n) [m/N].
+    """Return the radial and axial deflection under n patterns that modes omit, (points, n) [m/N].
 
     Eq. (J50):  R E, A E,   E = (K^-1 - Phi Omega^-2 Phi^T) R^T S
     """
-    felt = modes.radial.T @ answers.root / modes.omega[:, None] ** 2
+    coordinates = modes.radial.T @ answers.root / modes.omega[:, None] ** 2
     # Eq. (J50)
-    return answers.radial - modes.radial @ felt, answers.axial - modes.axial @ felt
+    return answers.radial - modes.radial @ coordinates, answers.axial - modes.axial @ coordinates
 
 
-def smooth_error(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> float:
+def smooth_error(answers: SurfaceAnswers, modes: StaticModes, has_film: np.ndarray) -> float:
     """Return the largest missing share of the deflection under smooth patches, Eq. (J33) [-]."""
-    patches = answers.root[there].T
+    patches = answers.root[has_film].T
     missing, _ = unreached(answers, modes)
     return float(_shares(missing @ patches, answers.radial @ patches).max())
 
 
 def edge_error(answers: SurfaceAnswers, modes: StaticModes) -> float:
-    """Return the largest missing share of the deflection under single patterns of `answers` [-].
+    """Return the largest missing share of the deflection under a single pattern [-].
 
     Eq. (J47):  max_j |R E_j| / |R K^-1 R^T S_j|      over deflections per force of at least
-                `COUNTED` of the largest one
+                `LEAST_DEFLECTION` of the largest one
 
-    A narrow patch on a stiff part of a surface makes a dent only, which no mode contains.
+    A narrow patch on a stiff part of a surface only makes a dent, which no mode contains. The
+    patterns are those of `answers`.
     """
     missing, _ = unreached(answers, modes)
     size = np.linalg.norm(answers.radial, axis=0) / answers.root.sum(axis=0)
-    return float(_shares(missing, answers.radial)[size >= COUNTED * size.max()].max())  # Eq. (J47)
+    return float(
+        _shares(missing, answers.radial)[size >= LEAST_DEFLECTION * size.max()].max()
+    )  # Eq. (J47)
 
 
 def _shares(missing, whole):
@@ -102,26 +105,26 @@ def _shares(missing, whole):
     return np.linalg.norm(missing, axis=0) / np.linalg.norm(whole, axis=0)
 
 
-def left_out(answers: SurfaceAnswers, modes: StaticModes, there: np.ndarray) -> MissingShapes:
-    """Return the static shapes that the modes leave out of the answers to smooth pressures.
+def left_out(answers: SurfaceAnswers, modes: StaticModes, has_film: np.ndarray) -> MissingShapes:
+    """Return the static shapes under smooth pressures that the modes omit.
 
     Eq. (J16):  S^T R E w_i = e_i w_i,   X_i = E w_i e_i^-1/2      E of `unreached`
 
     Parameters
     ----------
     answers : SurfaceAnswers
-        To the whole prior, also if the modes are for the even part of the pressure.
+        Deflections under the whole prior, also if the modes are for the even part of the pressure.
     modes : StaticModes
-    there : ndarray of bool, shape (points,)
+    has_film : ndarray of bool, shape (points,)
         Points that have a film.
     """
     radial, axial = unreached(answers, modes)
     energy = answers.root.T @ radial
     whole = np.linalg.norm(answers.root.T @ answers.radial, 2)
     e, w = la.eigh((energy + energy.T) / 2)
-    significant = e > NEGLIGIBLE * whole
+    significant = e > NEGLIGIBLE_ENERGY * whole
     w = w[:, significant] / np.sqrt(e[significant])
-    on = there[:, None]
+    on = has_film[:, None]
     # Eq. (J16)
     return MissingShapes((radial @ w * on).astype(np.float32), (axial @ w * on).astype(np.float32))
 
@@ -133,7 +136,7 @@ def truncation(left: MissingShapes, modes: StaticModes, film: FilmLoads) -> Trun
 
     It is exact for pressures in the span of the prior (Eq. (J31)). For others it is the part of the
     missing deflection that smooth pressures can produce, so it never exceeds the missing elastic
-    energy. Gas and inertia are left out: the bases that answer to a film hold them exactly.
+    energy. Gas and inertia are omitted, because the bases for films contain their shapes exactly.
 
     Parameters
     ----------
@@ -160,7 +163,7 @@ def truncation(left: MissingShapes, modes: StaticModes, film: FilmLoads) -> Trun
     deflection = (((yielding @ modes.radial.T + missing)[:, on_film]) ** 2).sum(axis=1)
     if not deflection.any():
         return Truncation(0.0, 0.0, missing)
-    loaded = deflection >= COUNTED**2 * deflection.max()
+    loaded = deflection >= LEAST_DEFLECTION**2 * deflection.max()
     return Truncation(
         error=float(np.sqrt(lost.sum() / deflection.sum())),
         largest=float(np.sqrt((lost[loaded] / deflection[loaded]).max())),
@@ -180,4 +183,4 @@ def share_of_film(missing: np.ndarray, film_thickness: np.ndarray) -> float:
     film_thickness : ndarray, shape (m, c, a)
         h, inf where there is no film [m].
     """
-    return float((np.abs(missing) / np.maximum(film_thickness, THIN)).max())  # Eq. (J34)
+    return float((np.abs(missing) / np.maximum(film_thickness, THIN_FILM)).max())  # Eq. (J34)

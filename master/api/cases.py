@@ -166,7 +166,7 @@ class Case:
         tree = swap_all({self.label: self.tree}, models, log.info)[self.label]
         checked = check_case(tree, self.path)
         system = open_system(checked, self.path.parent, log.info, self.own)
-        watch = (_telling(progress, system.begin),) if progress else ()
+        watch = (_progress_observer(progress, system.begin),) if progress else ()
         what = system, checked, tree, output, *watch
         summary = complete_run(*what, say=log.info, log=log.info, uncertainty=uncertainty)
         if summary.get("loops_stepped_explicitly"):
@@ -198,7 +198,7 @@ def _model(model: type | str | Path | None) -> list[str]:
     return [f"{file}:{model.__name__}"]
 
 
-def _telling(progress: Callable[[Progress], object], begin: float) -> Callable[..., None]:
+def _progress_observer(progress: Callable[[Progress], object], begin: float) -> Callable[..., None]:
     """Return `progress` as the `watch` of a run."""
 
     def watch(

@@ -1,4 +1,4 @@
-"""How to cite the project and the models that a case uses."""
+"""Citations of the project and of the models that a case uses."""
 
 import re
 import sys

@@ -198,13 +198,13 @@ def _check_window(where, limits, unit, faults):
 
 def _check_shown_units(picture, participants, faults):
     """Append a fault for each unit of a picture that its variable cannot be shown in."""
-    for port, wanted in picture.units.items():
+    for port, unit in picture.units.items():
         where = f"pictures.{picture.file}, units.{port}"
         owner, _, name = port.partition(".")
         field = participants[owner].fields.get(name) if owner in participants else None
         try:
             if field is not None:
-                from_si(1.0, field.unit, wanted)
+                from_si(1.0, field.unit, unit)
         except ValueError as error:
             faults.append(f"{where}: {error}")
 

@@ -83,7 +83,11 @@ def change(tree: Tree, key: str, value: Any, folder: Path) -> str | None:
             inner = node[int(part)] if part.isdigit() and int(part) < len(node) else None
         else:
             inner = node.get(part)
-        if inner is None and isinstance(node, dict) and [*parents, last] in _known(tree, folder):
+        if (
+            inner is None
+            and isinstance(node, dict)
+            and [*parents, last] in _possible_paths(tree, folder)
+        ):
             inner = node[part] = {}
         if not isinstance(inner, (dict, list)):
             known = node if isinstance(node, dict) else map(str, range(len(node)))
@@ -118,9 +122,9 @@ def key_parts(tree: Tree, key: str, folder: Path) -> list[str]:
     parts = split_key(key)
     if parts[0] in tree or parts[0] in Case.model_fields:
         return parts
-    there = [path for path in _paths(tree) if _ends(path, parts)]
-    known = [] if there else _known(tree, folder)
-    matches = there or [path for path in known if _ends(path, parts)]
+    in_tree = [path for path in _paths(tree) if _ends(path, parts)]
+    known = [] if in_tree else _possible_paths(tree, folder)
+    matches = in_tree or [path for path in known if _ends(path, parts)]
     if len(matches) == 1 and EACH not in matches[0] and ANY not in matches[0]:
         return matches[0]
     if not matches:
@@ -137,7 +141,7 @@ def _ends(path: list[str], parts: list[str]) -> bool:
     return path[-1] == parts[-1] and all(part in left for part in parts[:-1])
 
 
-def _known(tree: Tree, folder: Path) -> list[list[str]]:
+def _possible_paths(tree: Tree, folder: Path) -> list[list[str]]:
     """Return the paths of all keys that the case may have, for each participant by name."""
     paths = []
     for key in case_keys(tree, folder):

@@ -23,7 +23,7 @@ from .system import open_finished, open_system
 if TYPE_CHECKING:
     from ..coupling.loops import Loop
 
-APART = 2e-3
+MEASURE_TOLERANCE = 2e-3
 """Relative tolerance of a length or volume that two parts measure. The straight edges of a mesh
 are a thousandth inside its cylinder."""
 
@@ -153,7 +153,7 @@ def _warnings_on_steps(case: Case, folder: Path) -> list[str]:
         out.append(f"time.stop = {case.time.stop}: the run has {steps:.2g} macro steps")
     if (cycle := case.cycle) and case.time.period and case.time.angular_speed:
         cycles = to_si(case.time.period, "rad") / to_si(cycle, "rad")
-        if abs(cycles - round(cycles)) > APART:
+        if abs(cycles - round(cycles)) > MEASURE_TOLERANCE:
             out.append(
                 f"time.period = {case.time.period}: expected a multiple of {cycle}, the cycle of "
                 "gas or speed; a summary of the last period is not that of a cycle"
@@ -271,7 +271,7 @@ def _disagreements(case: Case, declared: Ahead, previews: dict[str, Preview]) ->
         if key not in fields or key in _refused(case, name, declared):
             continue
         value = values.get(key, fields[key].start)
-        if abs(value - measured.value) > APART * abs(measured.value):
+        if abs(value - measured.value) > MEASURE_TOLERANCE * abs(measured.value):
             default = "" if key in values else ", its default"
             faults.append(
                 f"participants.{name}.parameters.{key}: expected "

@@ -100,24 +100,24 @@ def expanded(tree: Tree) -> Tree:
     tables = tree.get("participants")
     if not isinstance(tables, dict):
         return tree
-    made: Tree = {}
+    composed: Tree = {}
     wires: list[Tree] = []
     for name, table in tables.items():
         if not isinstance(table, dict):
             return tree
         own = {key: value for key, value in table.items() if key != "like"}
         if "like" in table:
-            if table["like"] not in made:
-                fault = unknown("participant", str(table["like"]), made)
+            if table["like"] not in composed:
+                fault = unknown("participant", str(table["like"]), composed)
                 raise BadInput(f"participants.{name}.like: {fault}")
-            own = _merged(deepcopy(made[table["like"]]), own)
-        made[name] = own
-    for name, table in made.items():
+            own = _merged(deepcopy(composed[table["like"]]), own)
+        composed[name] = own
+    for name, table in composed.items():
         if body := table.get("body"):
             wires += _film_wires(name, str(body), table.get("build"))
     bare = {
         name: {key: value for key, value in table.items() if key != "body"}
-        for name, table in made.items()
+        for name, table in composed.items()
     }
     return _merged({"wires": wires} if wires else {}, tree | {"participants": bare})
 

@@ -83,10 +83,10 @@ def surfaces_of(participant, role: str) -> list[str]:
     """
     terms = contract()[role]
     outputs = [f.name for f in participant.fields.values() if f.causality == "output"]
-    wanted = list(terms.outputs["field"])
-    prefixes = [name.removesuffix(wanted[0]) for name in outputs if name.endswith(wanted[0])]
+    names = list(terms.outputs["field"])
+    prefixes = [name.removesuffix(names[0]) for name in outputs if name.endswith(names[0])]
     allowed = [one for one in prefixes if not one or terms.of_each_film and one.endswith(".")]
-    return [one for one in allowed if all(f"{one}{name}" in outputs for name in wanted)]
+    return [one for one in allowed if all(f"{one}{name}" in outputs for name in names)]
 
 
 class Interface(NamedTuple):
@@ -193,9 +193,9 @@ def starting_order(names: Iterable[str], wires: Iterable[Wire]) -> list[str]:
 def players(tree: dict, role: str) -> list[str]:
     """Return the participants of a TOML tree that have a role, else the one the contract names."""
     tables = tree["participants"]
-    said = [name for name, table in tables.items() if table.get("role") == role]
+    owners = [name for name, table in tables.items() if table.get("role") == role]
     usual = contract()[role].participant
-    return said or [name for name in tables if name == usual]
+    return owners or [name for name in tables if name == usual]
 
 
 def replaced_participant(tree: dict, role: str, text: str) -> tuple[str, str]:
@@ -246,8 +246,8 @@ def check_fmu(path: Path) -> tuple[str, list[str], list[str]]:
     participant = open_fmu("fmu", path)
     role = role_of(participant)
     if role is None:
-        wanted = names_of(contract())
-        raise BadInput(f"{path}: expected the outputs of {wanted}, got others")
+        contract_names = names_of(contract())
+        raise BadInput(f"{path}: expected the outputs of {contract_names}, got others")
     terms = contract()[role]
     units = in_contract_units(participant, role)
     breaches, remarks = unable_to_iterate(participant), _capabilities(participant)

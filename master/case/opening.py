@@ -6,7 +6,7 @@ from ..fmi.errors import BadInput
 from ..fmi.quantities import to_si
 from ..participants.isolated import IsolatedParticipant
 from ..participants.open import open_fmu
-from ..participants.plugins import made
+from ..participants.plugins import from_plugin
 from ..participants.table import TableParticipant
 from .ahead import missing_file
 from .contract import in_contract_units
@@ -14,21 +14,28 @@ from .values import value_of
 
 
 def open_participant(
-    name, case, build, folder, progress=lambda text: None, native=False, earlier=(), how=None
+    name,
+    case,
+    build,
+    folder,
+    progress=lambda text: None,
+    native=False,
+    earlier=(),
+    fmu_options=None,
 ):
     """Return a participant of a case; `earlier` are those that are already open.
 
-    `how` : see `system.open_system`.
+    `fmu_options` : see `system.open_system`.
     """
     table = case.participants[name]
     if table.plugin:
-        return made("participants", table.plugin, name, table.build, folder)
+        return from_plugin("participants", table.plugin, name, table.build, folder)
     if table.table:
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
-    path = _path_of_fmu(table, build, folder, progress, native, how or {})
+    path = _path_of_fmu(table, build, folder, progress, native, fmu_options or {})
     elements = case.elements_of(name)
-    how = {"step": _own_step(table), "elements": elements, "event_mode": table.event_mode}
-    open_with = partial(open_fmu, name, path, **how)
+    options = {"step": _own_step(table), "elements": elements, "event_mode": table.event_mode}
+    open_with = partial(open_fmu, name, path, **options)
     opened = open_with()
     if sizes := _sizes(opened, table.parameters):
         opened = open_with(sizes)
@@ -63,16 +70,16 @@ def _sizes(participant, texts):
     return sizes
 
 
-def _path_of_fmu(table, build, folder, progress, native, how):
+def _path_of_fmu(table, build, folder, progress, native, fmu_options):
     """Return the path of a participant's FMU; build it if necessary."""
     if table.package or table.file:
-        return _built(table, build, folder, progress, native, how)
+        return _built(table, build, folder, progress, native, fmu_options)
     if fault := missing_file(table, folder):
         raise BadInput(fault)
     return folder / table.fmu
 
 
-def _built(table, build, folder, progress, native, how):
+def _built(table, build, folder, progress, native, fmu_options):
     """Build the FMU of a package or of a file."""
     from ..fmi.builder import build_fmu, build_fmu_of_file
     from ..fmi.builder_native import build_native_fmu
@@ -82,5 +89,7 @@ def _built(table, build, folder, progress, native, how):
         here = [name for name in [this_platform()] if name]
         return build_native_fmu(table.package, build, folder, progress, platforms=here)
     if table.package:
-        return build_fmu(table.package, build, folder, progress, **how)
-    return build_fmu_of_file(str(folder / table.file), build, progress, how.get("version", "2.0"))
+        return build_fmu(table.package, build, folder, progress, **fmu_options)
+    return build_fmu_of_file(
+        str(folder / table.file), build, progress, fmu_options.get("version", "2.0")
+    )

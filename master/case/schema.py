@@ -490,8 +490,8 @@ class Case(Table):
         try:
             return to_si(node if parts and isinstance(node, str) else text, "m") if text else 0.0
         except ValueError:
-            wanted = "a length, or a build option of a participant that holds one"
-            raise ValueError(f"axes.second.lower: expected {wanted}, got {text!r}") from None
+            expected = "a length, or a build option of a participant that holds one"
+            raise ValueError(f"axes.second.lower: expected {expected}, got {text!r}") from None
 
     def _ports(self) -> list[str]:
         """Return every "participant.variable" that the file names."""

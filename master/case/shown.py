@@ -92,8 +92,8 @@ class Picture(Table):
         needed = ("x", "y") if self.kind == "lines" else ("fields", "time")
         missing = [key for key in needed if not getattr(self, key)]
         if missing:
-            wanted = " and ".join(missing)
-            raise ValueError(f"expected {wanted} in a picture of kind {self.kind!r}, got nothing")
+            expected = " and ".join(missing)
+            raise ValueError(f"expected {expected} in a picture of kind {self.kind!r}, got nothing")
         if self.time == ENVELOPE and self.kind != "map":
             raise ValueError(
                 f"expected an instant in a picture of kind {self.kind!r}, got {self.time!r}"

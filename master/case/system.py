@@ -49,7 +49,7 @@ def open_system(
     folder: Path,
     progress: Callable[[str], object],
     own: Mapping[str, Callable[[], Any]] | None = None,
-    how: Mapping[str, Any] | None = None,
+    fmu_options: Mapping[str, Any] | None = None,
 ) -> Any:
     """Build or open every FMU of the case, and check the system before it runs.
 
@@ -62,7 +62,7 @@ def open_system(
         Called with messages.
     own : mapping, optional
         Constructors of participants that exist only in this process, by name.
-    how : mapping, optional
+    fmu_options : mapping, optional
         Version of FMI and default experiment of FMUs in Python, as for `builder.build_fmu`.
         Default: for a run, in machine code where possible.
 
@@ -78,7 +78,7 @@ def open_system(
     finished = open_finished(case, folder, declared, faults, progress, own)
     if faults:
         raise BadInput(faults)
-    native, _ = (set(), []) if how else native_choice(case, folder, declared.parameters)
+    native, _ = (set(), []) if fmu_options else native_choice(case, folder, declared.parameters)
     if case.native:
         from ..fmi.builder_native import compile_ahead
 
@@ -90,7 +90,9 @@ def open_system(
     for name in tables:
         with collecting(faults, f"participants.{name}."):
             given_to = builds[name], folder, progress, name in native, [*participants.values()]
-            participants[name] = finished.get(name) or open_participant(name, case, *given_to, how)
+            participants[name] = finished.get(name) or open_participant(
+                name, case, *given_to, fmu_options
+            )
     if faults:
         raise BadInput(faults)
     halves = half_films(case, folder, declared, builds, faults)
@@ -107,7 +109,7 @@ def open_system(
     reals = [table for table in case.wires if is_real(table, participants)]
     of_clocks = {port_of(t.target) for t in case.wires if is_clock(t.target, participants)}
     handed = [wire for wire in joined if isinstance(wire, HeldWire)]
-    held = [wire for wire in handed if wire.target not in of_clocks]
+    uniterated = [wire for wire in handed if wire.target not in of_clocks]
     conversions = {} if faults else conversions_of(reals, participants)
     in_units_of_wires(parameters, conversions)
     participants = with_one_way(case, converting(participants, conversions), faults)
@@ -135,7 +137,7 @@ def open_system(
         smallest_step=clock.smallest_step,
         folder=str(folder),
         parallel=case.coupling.parallel,
-        held=tuple(held),
+        held=tuple(uniterated),
         begin=clock.start,
         period=clock.period,
         earliest=clock.earliest,

@@ -201,13 +201,13 @@ def _clock_kind(port, participants):
 
 def _held_wire(table, source, target, where, faults):
     """Return a wire of a type other than Real, or to a tunable parameter or clocked input."""
-    said = [key for key in OF_NUMBERS if getattr(table, key)]
-    said += ["interpolation"] if table.interpolation not in (None, "held") else []
-    if said:
+    numeric_keys = [key for key in OF_NUMBERS if getattr(table, key)]
+    numeric_keys += ["interpolation"] if table.interpolation not in (None, "held") else []
+    if numeric_keys:
         end = " to a clocked input" if getattr(target, "clocked", False) else ""
         end = f" to a {TUNABLE}" if kind_of(target) == TUNABLE else end
         faults.append(
-            f"{where}: expected a wire of real numbers for {', '.join(said)}, got type "
+            f"{where}: expected a wire of real numbers for {', '.join(numeric_keys)}, got type "
             f"{source.type}{end}"
         )
     clocked = getattr(target, "clocked", False)
@@ -255,10 +255,10 @@ def _conversion(source, target):
     if not (is_known(source.unit) and is_known(target.unit)):
         raise ValueError("; no FMU declares the conversion")
     unit = registry().Unit(pint_unit(source.unit))
-    wanted = registry().Unit(pint_unit(target.unit))
-    if not are_compatible(unit, wanted):
+    target_unit = registry().Unit(pint_unit(target.unit))
+    if not are_compatible(unit, target_unit):
         raise ValueError("")
-    zero, one = (registry().Quantity(value, unit).to(wanted).magnitude for value in (0.0, 1.0))
+    zero, one = (registry().Quantity(value, unit).to(target_unit).magnitude for value in (0.0, 1.0))
     return Conversion(float(one - zero), 0.0 if is_difference else float(zero))
 
 

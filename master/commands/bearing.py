@@ -7,7 +7,7 @@ from cyclopts import Parameter
 
 from ..fmi.errors import BadInput, Discard, Stopped
 from ..fmi.tree import import_part
-from .common import Changes, PictureFile, parse_changes, say, tell
+from .common import Changes, PictureFile, parse_changes, print_line, say
 
 Quantity = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 """Number with a unit; a missing one is reported with the other faults."""
@@ -78,10 +78,10 @@ def command(
         raise BadInput([_of_option(fault, {*inputs, "grid"}) for fault in error.faults]) from None
     except Discard as error:
         raise Stopped(f"{error}; try another load, or roughness_rms for contact") from None
-    tell(str(result), markup=False)
+    print_line(str(result), markup=False)
     if picture:
         result.plot().savefig(picture)
-        tell(f"picture   {picture}")
+        print_line(f"picture   {picture}")
 
 
 def _of_option(fault: str, options: Collection[str]) -> str:

@@ -15,7 +15,7 @@ from ..runs.calibration import calibrate
 from ..runs.design_space import DesignSpace, range_of
 from ..runs.pool import LocalPool
 from ..runs.sensitivities import Runs, use_of
-from .common import Changes, Only, OutputFolder, Workers, changed_case, console, say, tell
+from .common import Changes, Only, OutputFolder, Workers, changed_case, console, print_line, say
 
 
 def command(
@@ -76,7 +76,7 @@ def command(
                     say(f"a run failed: {row['message']}")
                     shown.append(None)
             if len(shown) == 1 and shown[0] is not None and shown[0].size:
-                tell(f"rms deviation {np.sqrt(np.mean(shown[0] ** 2)):.4g}")
+                print_line(f"rms deviation {np.sqrt(np.mean(shown[0] ** 2)):.4g}")
             return shown
 
         fit = calibrate(residuals, bounds, has_bands)
@@ -86,14 +86,14 @@ def command(
         if np.abs(np.subtract(ends, share)).min() < AT_END:
             say(f"warning: {number.name} ends at an end of its range; its interval does not count")
     for name, row in (("case", before), ("result", after)):
-        tell(f"results  {name}: {row['results']}")
+        print_line(f"results  {name}: {row['results']}")
     with open(folder / "calibration.csv", "w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["number", "value", "half width at 95 %", "unit"])
         for number, share, half in zip(numbers, fit.shares, fit.half_widths):
             value = number.value + share * number.scale
             writer.writerow([number.name, value, half * number.scale, number.unit])
-    tell(f"table    {folder / 'calibration.csv'}")
+    print_line(f"table    {folder / 'calibration.csv'}")
 
 
 AT_END = 1e-3
@@ -113,4 +113,4 @@ def _print(numbers, fit):
     for i, k, related in fit.alike:
         names = f"{numbers[i].name} and {numbers[k].name}"
         say(f"warning: the measurement cannot tell {names} apart (correlation {related:+.3f})")
-    tell(f"rms deviation {fit.before:.4g} of the case, {fit.after:.4g} of the fit")
+    print_line(f"rms deviation {fit.before:.4g} of the case, {fit.after:.4g} of the fit")

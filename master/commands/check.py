@@ -7,7 +7,7 @@ from ..case.check import CheckedCase, check
 from ..fmi.errors import BadInput
 from ..fmi.preview import Figure
 from ..fmi.quantities import short
-from .common import Changes, Only, PictureFile, default_folder, parse_changes, tell
+from .common import Changes, Only, PictureFile, default_folder, parse_changes, print_line
 
 
 def command(
@@ -43,21 +43,21 @@ def command(
 
 def print_checked(checked: CheckedCase, picture: Path):
     """Print the checks of a case and draw it; raise BadInput if it has faults."""
-    tell(f"[bold]{checked.title}[/]")
+    print_line(f"[bold]{checked.title}[/]")
     for preview in checked.previews.values():
         print_figures(preview.figures)
     for line in checked.loop_table():
-        tell(line, markup=False)
+        print_line(line, markup=False)
     for kind, lines in (("[yellow]warning[/]", checked.warnings), ("remark ", checked.remarks)):
         for line in lines:
-            tell(f"{kind}  {line}")
+            print_line(f"{kind}  {line}")
     for file in checked.draw(picture):
-        tell(f"picture  {file}")
+        print_line(f"picture  {file}")
     if checked.faults:
         raise BadInput(checked.faults)
     numbers = {"warning": len(checked.warnings), "remark": len(checked.remarks)}
     counts = [f"{n} {kind}{'s' * (n > 1)}" for kind, n in numbers.items() if n]
-    tell(", ".join(["[green]no faults[/]", *counts]))
+    print_line(", ".join(["[green]no faults[/]", *counts]))
 
 
 def print_figures(figures: Iterable[Figure]):
@@ -67,7 +67,7 @@ def print_figures(figures: Iterable[Figure]):
         groups.setdefault(figure.group, []).append(figure)
     for group, members in groups.items():
         text = "   ".join(map(_figure_text, members))
-        tell(f"  {group:10s} {text}", markup=False)
+        print_line(f"  {group:10s} {text}", markup=False)
 
 
 def _figure_text(figure: Figure) -> str:

@@ -40,7 +40,7 @@ Only = Annotated[str | None, Parameter(name=("--only", "--variant"))]
 """Label of the variant of a case."""
 
 
-NARROWEST = 150
+NARROWEST_TABLE = 150
 """Smallest width of a wide table outside a terminal."""
 
 
@@ -52,10 +52,10 @@ def wide_console(broken=True):
     """
     if broken and console.is_terminal:
         return console
-    return Console(width=max(console.width, NARROWEST))
+    return Console(width=max(console.width, NARROWEST_TABLE))
 
 
-def tell(text, markup=True):
+def print_line(text, markup=True):
     """Print a line, which a terminal breaks and a file does not."""
     console.print(text, markup=markup, highlight=False, soft_wrap=True)
 
@@ -285,8 +285,8 @@ def print_answers(answers, verbose=False):
                 continue
             colour = {"amber": "yellow"}.get(check.colour, check.colour)
             whose = f"{label}: " if len(answers) > 1 else ""
-            shown = f"[{colour}]{check.outcome:7s} {check.what:{width}s}[/] {whose}{check.said}"
-            tell(shown)
+            shown = f"[{colour}]{check.outcome:7s} {check.what:{width}s}[/] {whose}{check.text}"
+            print_line(shown)
 
 
 def print_compared(runs):
@@ -298,7 +298,7 @@ def print_compared(runs):
     cases = [check_case(tree, results.path) for tree, results in zip(trees, runs.values())]
     answers = [answer(case, results) for case, results in zip(cases, runs.values())]
     comparison = compared(tuple(runs), trees, [one.table for one in answers])
-    tell(comparison.headline, markup=False)
+    print_line(comparison.headline, markup=False)
     table = Table("", *comparison.names, "difference", box=None, pad_edge=False)
     for row in comparison.rows:
         table.add_row(row.label, row.first.figure, row.second.figure, row.text)
@@ -324,4 +324,4 @@ def draw_pictures(case, runs, folder, kind=None, paper=False):
     with working(console, "drawing", len(case.pictures) * len(runs), typical=1.0):
         drawn = draw(case, runs, folder, kind, paper)
     for picture in drawn:
-        tell(f"picture  {picture}")
+        print_line(f"picture  {picture}")

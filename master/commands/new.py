@@ -15,7 +15,7 @@ from ..engine.step_mesh import mesh_of_step
 from ..fmi.errors import BadInput
 from ..runs.working import working
 from .check import print_checked
-from .common import OutputFolder, console, tell
+from .common import OutputFolder, console, print_line
 
 
 def _option(name: str) -> Any:
@@ -69,23 +69,23 @@ def command(
     step
         STEP file of the piston in the same axes. The extra `mesh` (gmsh) meshes it.
     """
-    made = engine(vars(sizes), peak_pressure, motored)
+    new_engine = engine(vars(sizes), peak_pressure, motored)
     sources = {"--piston": piston, "--mesh": mesh, "--step": step}
     if len(named := [option for option, value in sources.items() if value]) > 1:
         raise BadInput(f"{named[0]}: expected one source of the piston, got {' and '.join(named)}")
     with tempfile.TemporaryDirectory() as place:
         if step:
             mesh = Path(place) / "piston.msh"
-            mesh_of_step(step, mesh, made["bore"])
+            mesh_of_step(step, mesh, new_engine["bore"])
         elif piston in ("slipper", "full"):
             mesh = Path(place) / "piston.msh.xz"
             with working(console, "meshing"):
-                mesh_of_sizes(made, piston, mesh)
-        checked = write_case(made, name, mesh)
-    checked.warnings.extend(unusual(made))
+                mesh_of_sizes(new_engine, piston, mesh)
+        checked = write_case(new_engine, name, mesh)
+    checked.warnings.extend(unusual(new_engine))
     if str(name) in case_names():
         text = "a shipped case has this name; in this folder, commands use yours"
         checked.remarks.append(f"{name}: {text}")
-    tell(f"case     {checked.path}")
+    print_line(f"case     {checked.path}")
     print_checked(checked, name / "check.png")
-    tell(f"run it   piston-cosim run {quote(str(name))}", markup=False)
+    print_line(f"run it   piston-cosim run {quote(str(name))}", markup=False)

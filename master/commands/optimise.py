@@ -17,7 +17,7 @@ from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, for_all
 from ..results.words import entry_in_words, words_and_unit
 from ..runs.design_space import ANGLES, DesignSpace, range_of, shapes_of
-from ..runs.optimisation import TOLERANCE, Search, Task, known_figure, limit_of, optimise
+from ..runs.optimisation import LIMIT_TOLERANCE, Search, Task, known_figure, limit_of, optimise
 from ..runs.pool import LocalPool
 from ..runs.sensitivities import Runs, map_of, use_of
 from .common import (
@@ -30,8 +30,8 @@ from .common import (
     length_of,
     parse_change,
     print_compared,
+    print_line,
     say,
-    tell,
 )
 from .usage import positive
 
@@ -55,11 +55,11 @@ def command(
 ):
     """Find the best numbers and profile of a case within limits.
 
-    The goal is a figure of the table of a sweep. Its direction is the one that a design wants. With
-    several operating points, the goal is the mean of its ratios to those of the case, and every
-    limit holds at each point. Each gradient takes a run for every variable and point, all at the
-    same time. The command compares the result with the case at every point, and writes variables,
-    profile, pictures and results files. A repeated call reuses finished runs.
+    The goal is a figure of the table of a sweep, lower or higher, whichever is better. With several
+    operating points, the goal is the mean of its ratios to those of the case, and every limit holds
+    at each point. Each gradient takes a run for every variable and point, all at the same time. The
+    command compares the result with the case at every point, and writes variables, profile,
+    pictures and results files. A repeated call reuses finished runs.
 
     Example: piston-cosim optimise numerical_example mean_friction_power_w --shapes 5x3
     --limit minimum_film_thickness_m --limit "maximum_pressure_pa<=4 MPa"
@@ -120,8 +120,8 @@ def command(
     task = Task(goal, sign, tuple(limits), tuple(points), bounds, gradients=gradients)
 
     def watch(value, slack):
-        excess = "" if slack >= -TOLERANCE else f", {-100 * slack:.1f} % beyond a limit"
-        tell(f"design {len(search.history)}: {100 * abs(value):.2f} % of the case{excess}")
+        excess = "" if slack >= -LIMIT_TOLERANCE else f", {-100 * slack:.1f} % beyond a limit"
+        print_line(f"design {len(search.history)}: {100 * abs(value):.2f} % of the case{excess}")
 
     with use_of(folder), LocalPool(workers) as executor:
         lean = tree | {"record": tree.get("record", {}) | {"fields": []}}
@@ -130,14 +130,16 @@ def command(
         whole = Runs(tree, path, space, folder, executor)
         designs = [best.shares, np.zeros(len(bounds))]
         rows = whole.rows(designs, task.points, uncertainty)
-    tell(f"{best.message}: {abs(best.after / best.before) - 1.0:+.2%} of {entry_in_words(goal)}")
+    print_line(
+        f"{best.message}: {abs(best.after / best.before) - 1.0:+.2%} of {entry_in_words(goal)}"
+    )
     is_whole = _compare(rows, points)
     _say_active(best, points)
     _write(space, best, folder)
     _draw(space, best, folder, skirt)
-    if best.slack < -TOLERANCE:
+    if best.slack < -LIMIT_TOLERANCE:
         say(f"no design keeps all limits; this one is {-100 * best.slack:.1f} % beyond one")
-    if not is_whole or best.slack < -TOLERANCE:
+    if not is_whole or best.slack < -LIMIT_TOLERANCE:
         sys.exit(1)
 
 
@@ -171,11 +173,13 @@ def _compare(rows, points):
                 return False
             files[name] = row["results"]
         if len(points) > 1:
-            tell(", ".join(f"{key} {value}" for key, value in point) or "the case", markup=False)
+            print_line(
+                ", ".join(f"{key} {value}" for key, value in point) or "the case", markup=False
+            )
         with ExitStack() as opened:
             print_compared({n: opened.enter_context(Results(f)) for n, f in files.items()})
         for name, file in files.items():
-            tell(f"results  {name}{f', point {k + 1}' if len(points) > 1 else ''}: {file}")
+            print_line(f"results  {name}{f', point {k + 1}' if len(points) > 1 else ''}: {file}")
     return True
 
 
@@ -185,7 +189,7 @@ def _say_active(best, points):
         words = words_and_unit(one.limit.figure)[0]
         where = f" at point {one.point + 1}" if len(points) > 1 else ""
         gain = f"1 % of it changes the goal by {one.multiplier:.2g} %"
-        tell(f"limit    {words}{where} is reached: {gain}")
+        print_line(f"limit    {words}{where} is reached: {gain}")
 
 
 def _write(space, best, folder):
@@ -198,18 +202,18 @@ def _write(space, best, folder):
         if space.shapes:
             for name, share in zip(space.shapes.names, best.shares[len(space.numbers) :]):
                 writer.writerow([name, 1e6 * space.shapes.amplitude * share, "um"])
-    tell(f"design   {folder / 'design.csv'}")
+    print_line(f"design   {folder / 'design.csv'}")
     if space.shapes:
         profile = space.shapes.profile(best.shares[len(space.numbers) :])
         write_whole(folder / "profile.csv", space.shapes.table(profile))
-        tell(f"profile  {folder / 'profile.csv'}, a further table of build.piston.profiles")
+        print_line(f"profile  {folder / 'profile.csv'}, a further table of build.piston.profiles")
 
 
 def _draw(space, best, folder, skirt):
     from ..results.design_pictures import draw_maps, draw_search
 
     designs = [(one.value, one.slack) for one in best.history]
-    tell(f"picture  {draw_search(designs, TOLERANCE, folder / 'search.png')}")
+    print_line(f"picture  {draw_search(designs, LIMIT_TOLERANCE, folder / 'search.png')}")
     if skirt:
         own = slice(len(space.numbers), None)
         slopes = 100.0 * best.gradient[own] / skirt.amplitude
@@ -217,4 +221,4 @@ def _draw(space, best, folder, skirt):
             "profile, positive away from the bore [µm]": 1e6 * skirt.profile(best.shares[own]),
             "goal [% per µm on 1 % of the skirt]": 1e-8 * map_of(skirt, slopes),
         }
-        tell(f"maps     {draw_maps(maps, ANGLES, 1e3 * skirt.heights, folder / 'maps.png')}")
+        print_line(f"maps     {draw_maps(maps, ANGLES, 1e3 * skirt.heights, folder / 'maps.png')}")

@@ -9,7 +9,7 @@ from ..fmi.errors import BadInput, for_all
 from ..fmi.quantities import in_unit, to_si
 from ..fmi.tree import import_part
 from .check import print_figures
-from .common import OutputFile, PictureFile, tell
+from .common import OutputFile, PictureFile, print_line
 
 READER = "fmu_mfbd.profile_reader"
 """Module that reads profiles, called by name because this package does not import bodies."""
@@ -91,12 +91,12 @@ def command(
     print_figures(report.figures)
     for message in report.messages:
         if message.kind != "fault":
-            tell(f"[yellow]{message.kind:8s}[/] {message.text}")
+            print_line(f"[yellow]{message.kind:8s}[/] {message.text}")
     for line in report.changes:
-        tell(f"changed   {line}")
-    tell(f"picture   {drawn}")
+        print_line(f"changed   {line}")
+    print_line(f"picture   {drawn}")
     if output:
-        tell(f"table     {output}")
+        print_line(f"table     {output}")
     if faults := [message.text for message in report.messages if message.kind == "fault"]:
         raise BadInput([f"{file}: {text}" for text in faults])
 
@@ -110,6 +110,6 @@ def _in_si(item: tuple[str, tuple[str | None, str]]) -> float | None:
     except ValueError as error:
         raise BadInput(f"{key}: {error}") from None
     if value is not None and (value <= 0.0 if name in POSITIVE else name in UNITS and not value):
-        wanted = "above 0" if name in POSITIVE else "other than 0"
-        raise BadInput(f"{key}: expected a value {wanted} {unit}, got {text!r}")
+        expected = "above 0" if name in POSITIVE else "other than 0"
+        raise BadInput(f"{key}: expected a value {expected} {unit}, got {text!r}")
     return value

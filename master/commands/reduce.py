@@ -5,7 +5,7 @@ from rich.table import Table
 from ..api.bodies import reduced
 from ..case.reading import find_case, read_tree
 from ..runs.working import working
-from .common import Changes, OutputFolder, console, default_folder, parse_changes, say, tell
+from .common import Changes, OutputFolder, console, default_folder, parse_changes, print_line, say
 
 
 def command(source: str, /, *, set_: Changes = [], output: OutputFolder | None = None):
@@ -82,4 +82,4 @@ def print_body(body):
     if body.errors:
         console.print(f"the modes {body.errors}", highlight=False)
     for file in body.files:
-        tell(f"file  {file}")
+        print_line(f"file  {file}")

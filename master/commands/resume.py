@@ -13,7 +13,7 @@ from ..results.file import Results
 from ..runs.checkpoint import Checkpoint, check_code
 from ..runs.completed import complete_run
 from ..runs.console import print_summary, watching
-from .common import console, print_answers, say, tell
+from .common import console, print_answers, print_line, say
 
 
 def command(checkpoint: Path, /, *, verbose: Annotated[bool, Parameter(negative=())] = False):
@@ -46,4 +46,4 @@ def command(checkpoint: Path, /, *, verbose: Annotated[bool, Parameter(negative=
         print_summary(console, {output.stem: summary})
     with Results(output) as results:
         print_answers({output.stem: answer(case, results)}, verbose)
-    tell(f"results  {shown}")
+    print_line(f"results  {shown}")

@@ -35,8 +35,8 @@ from .common import (
     draw_pictures,
     parse_changes,
     print_answers,
+    print_line,
     say,
-    tell,
     variant_trees,
     warn_of_estimates,
 )
@@ -147,7 +147,7 @@ def command(
         print_answers(answers, verbose)
         for file in files.values():
             shown = relpath(file, begun_in) if output is None or not output.is_absolute() else file
-            tell(f"results  {shown}")
+            print_line(f"results  {shown}")
         if plots:
             draw_pictures(next(iter(cases.values())), runs, folder)
 
@@ -167,9 +167,9 @@ def _say_ahead(cases, variants, plots, only):
 
 def _run(label, system, case, variant, log):
     """Run a variant in this process."""
-    how = {"say": say, "log": log, "uncertainty": variant.uncertainty}
+    options = {"say": say, "log": log, "uncertainty": variant.uncertainty}
     with watching(console, label) as watch:
-        summary = complete_run(system, case, variant.tree, variant.output, watch, **how)
+        summary = complete_run(system, case, variant.tree, variant.output, watch, **options)
     return Outcome(summary, watch.first)
 
 

@@ -21,8 +21,8 @@ from .common import (
     Workers,
     changed_case,
     length_of,
+    print_line,
     say,
-    tell,
     wide_console,
 )
 
@@ -82,7 +82,7 @@ def command(
     space = DesignSpace(tuple(numbers), skirt)
 
     def watch(done, total, row):
-        tell(f"{done}/{total}  {row['status']:9s}  {row['message']}", markup=False)
+        print_line(f"{done}/{total}  {row['status']:9s}  {row['message']}", markup=False)
 
     with use_of(folder), LocalPool(workers) as executor:
         runs = Runs(tree, path, space, folder, executor, watch=watch)
@@ -136,7 +136,7 @@ def _write(effects, steps, path):
             writer.writerow(
                 [one.figure, one.variable, steps[one.variable], one.value, one.change, one.spread]
             )
-    tell(f"table    {path}")
+    print_line(f"table    {path}")
 
 
 def _draw(effects, steps, folder):
@@ -149,7 +149,7 @@ def _draw(effects, steps, folder):
             percent = 100.0 * one.change / abs(one.value), 100.0 * one.spread / abs(one.value)
             percents.setdefault(words, {})[one.variable] = percent
     if percents:
-        tell(f"picture  {draw_effects(percents, steps, folder / 'sensitivities.png')}")
+        print_line(f"picture  {draw_effects(percents, steps, folder / 'sensitivities.png')}")
 
 
 def _draw_maps(effects, skirt, folder):
@@ -167,4 +167,4 @@ def _draw_maps(effects, skirt, folder):
             maps[title] = shown.values.reshape(values.shape)
     if maps:
         picture = draw_maps(maps, ANGLES, 1e3 * skirt.heights, folder / "maps.png")
-        tell(f"maps     {picture}")
+        print_line(f"maps     {picture}")

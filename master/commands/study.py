@@ -19,8 +19,8 @@ from .common import (
     console,
     draw_pictures,
     parse_changes,
+    print_line,
     say,
-    tell,
 )
 
 
@@ -63,27 +63,31 @@ def command(
     sweeps.build_all(sweeps.unfinished(points, folder), path.parent, say)
 
     def watch(row, done, total):
-        tell(f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}", markup=False)
+        print_line(
+            f"{done}/{total}  {row['status']:9s}  {row['run']}  {row['message']}", markup=False
+        )
 
     with LocalPool(workers) as executor:
         rows = sweeps.sweep(points, path.parent, folder, executor, watch)
     runs = studies.open_points(points, rows, folder)
-    said = studies.study_rows(chosen, checked, rows, runs)
-    costs = {row.run: row.cost._asdict() if row.cost else {} for row in said}
+    study_rows = studies.study_rows(chosen, checked, rows, runs)
+    costs = {row.run: row.cost._asdict() if row.cost else {} for row in study_rows}
     console.print(_shown(costs, f"{chosen.title}: cost", studies.Cost._fields))
-    orders = studies.observed_orders(chosen, said)
+    orders = studies.observed_orders(chosen, study_rows)
     last = {"observed order": orders} if orders else {}
     if chosen.summary:
-        console.print(_summary(said, chosen.summary, studies.limits(chosen, said)))
+        console.print(_summary(study_rows, chosen.summary, studies.limits(chosen, study_rows)))
     if chosen.curves:
-        distances = {row.run: row.distances for row in said} | last
+        distances = {row.run: row.distances for row in study_rows} | last
         title = f"rms distance from {chosen.reference} / its range"
         console.print(_shown(distances, title, chosen.curves))
-    missed = {row.run: row.truncation for row in said if row.truncation}
+    missed = {row.run: row.truncation for row in study_rows if row.truncation}
     if missed:
         names = list(dict.fromkeys(name for row in missed.values() for name in row))
         console.print(_shown(missed, "what the modes leave out of the deflection", names))
-    tell(f"table    {sweeps.write_table([row.record() for row in said], folder / 'study.csv')}")
+    print_line(
+        f"table    {sweeps.write_table([row.record() for row in study_rows], folder / 'study.csv')}"
+    )
     draw_pictures(checked, runs, folder, format)
 
 

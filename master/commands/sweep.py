@@ -24,8 +24,8 @@ from .common import (
     console,
     page_of,
     print_compared,
+    print_line,
     say,
-    tell,
     warn_of_estimates,
 )
 
@@ -103,7 +103,7 @@ def command(
 
     def watch(row, done, total):
         shown = "  ".join(f"{axis.name.split('.')[-1]} {row[axis.name]}" for axis in axes)
-        tell(f"{done}/{total}  {row['status']:9s}  {shown}  {row['message']}", markup=False)
+        print_line(f"{done}/{total}  {row['status']:9s}  {shown}  {row['message']}", markup=False)
 
     try:
         with sweeps.dask_executor(dask) if dask else LocalPool(workers, limit) as executor:
@@ -111,13 +111,13 @@ def command(
     except KeyboardInterrupt:
         say("finished points are saved; repeat the call to continue")
         raise
-    tell(f"table    {table}")
+    print_line(f"table    {table}")
     is_pair = len(rows) == 2 and all(row["status"] == "done" for row in rows)
     sentence = _compare(points, folder) if is_pair else ""
-    wanted = directions(check_case(tree, path))
+    by_name = directions(check_case(tree, path))
     with working(console, "drawing the page"):
-        page = _page(path, points, rows, axes, wanted, table, reports, sentence)
-    tell(f"page     {page}")
+        page = _page(path, points, rows, axes, by_name, table, reports, sentence)
+    print_line(f"page     {page}")
     failed = [row for row in rows if row["status"] != "done"]
     if failed:
         say_faults(

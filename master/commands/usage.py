@@ -55,14 +55,14 @@ def _of_call(error: CycloptsError) -> str:
         case usage.MissingArgumentError():
             return f"{_name(error)}: expected a value, got nothing"
         case usage.CoercionError():
-            if (said := str(error.msg or "")).startswith("expected"):
-                return f"{_name(error)}: {said}"  # of `whole`
+            if (message := str(error.msg or "")).startswith("expected"):
+                return f"{_name(error)}: {message}"  # of `whole`
             value = error.token.value if error.token else ""
             choices = get_args(error.target_type)
             if choices and all(isinstance(one, str) for one in choices):
                 return f"{_name(error)}: {unknown('choice', value, choices)}"
-            wanted = KINDS.get(error.target_type or str, "another value")
-            return f"{_name(error)}: expected {wanted}, got {value!r}"
+            expected = KINDS.get(error.target_type or str, "another value")
+            return f"{_name(error)}: expected {expected}, got {value!r}"
         case usage.ValidationError():
             return f"{_name(error)}: {error.exception_message}"
         case usage.RepeatArgumentError():

@@ -11,7 +11,7 @@ from .common import OutputFile, console, say
 
 IMPORTERS = "importers"
 MEASURED = "measured"
-APART = (IMPORTERS, MEASURED)
+OPTIONAL_PARTS = (IMPORTERS, MEASURED)
 """Parts that do not run by default."""
 
 
@@ -42,10 +42,10 @@ def command(
     from ...tests.verification.cases.measured import verify_measured
     from ...tests.verification.cases.rows import PARTS, verify
 
-    known = (*PARTS, *APART)
-    if strange := [part for part in parts if part not in known]:
-        raise BadInput([f"PARTS: {unknown('part', part, known)}" for part in strange])
-    figures = [part for part in parts or PARTS if part not in APART]
+    known = (*PARTS, *OPTIONAL_PARTS)
+    if unknown_parts := [part for part in parts if part not in known]:
+        raise BadInput([f"PARTS: {unknown('part', part, known)}" for part in unknown_parts])
+    figures = [part for part in parts or PARTS if part not in OPTIONAL_PARTS]
     wide = Console(width=max(console.width, 190))
     failed = verify(figures, all_, wide, output) if figures else 0
     if IMPORTERS in parts:

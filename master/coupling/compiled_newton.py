@@ -49,7 +49,7 @@ FUNCTIONS = (
 )
 FIRST_CALLED = 256
 """Code of the first instance, as in front/parts.c."""
-EMPTY = 2
+EMPTY_MEMORY = 2
 """Length of the memory of an instance without coordinates: an empty list of faults."""
 NOTED = FOUND + 2
 """Numbers of `native.iterate` before the measures."""
@@ -64,7 +64,7 @@ TASK = ctypes.CFUNCTYPE(
     ctypes.c_int64, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_void_p
 )
 """Functions of an FMU, the second as in front/native.c."""
-NEAR = 1e-6
+TIME_TOLERANCE = 1e-6
 """Share of a macro step in which two times are equal."""
 
 
@@ -213,7 +213,7 @@ class Iteration:
         self._run = partial(method.run, called, ctypes.c_size_t(len(rows)), *pointers)
 
     def _setup(self, newton: Newton, rows: list[ParticipantRow], owner: int) -> CoupledSetup:
-        """Return what the machine code knows about participants, wires and method."""
+        """Return the data of participants, wires and method for the machine code."""
         wires = range(len(self.interface.wires))
         return CoupledSetup(
             Rules(
@@ -269,14 +269,14 @@ class Iteration:
                     reals=2 * variables,
                     integer=memory,
                     memory=memory,
-                    memories=EMPTY + coordinates,
+                    memories=EMPTY_MEMORY + coordinates,
                     variables=variables,
                     saved=saved,
-                    first_coordinate=EMPTY,
+                    first_coordinate=EMPTY_MEMORY,
                     coordinates=coordinates,
                 )
             )
-            end = memory + EMPTY + coordinates
+            end = memory + EMPTY_MEMORY + coordinates
             saved += variables
         return rows
 
@@ -359,9 +359,9 @@ class Iteration:
         it lacks those at the begin, they are read.
         """
         time, step = macro_step.time, macro_step.step
-        known = [one for one in memory.past if one[0] <= time + NEAR * step]
+        known = [one for one in memory.past if one[0] <= time + TIME_TOLERANCE * step]
         memory.past = known[-self.predicted :]
-        if not memory.past or memory.past[-1][0] < time - NEAR * step:
+        if not memory.past or memory.past[-1][0] < time - TIME_TOLERANCE * step:
             assert self.owned
             memory.past = [(time, self.owned.read(macro_step.saved))]
         times, vectors = zip(*memory.past)

@@ -197,7 +197,7 @@ class Componentwise:
     parallel : bool
         See `Interface`.
     halvings : int
-        How often in a row the step of a component may be halved.
+        Maximum number of successive halvings of the step of a component.
     """
 
     def __init__(
@@ -315,10 +315,10 @@ def _merged(
     trails: Iterable[tuple[np.ndarray, list[list[float]]]], wires: int
 ) -> list[list[float]]:
     """Return the measures of all wires by evaluation; a shorter trail repeats its last ones."""
-    told = [(which.tolist(), trail) for which, trail in trails if trail]
-    merged = [[0.0] * wires for _ in range(max((len(trail) for _, trail in told), default=0))]
+    nonempty = [(which.tolist(), trail) for which, trail in trails if trail]
+    merged = [[0.0] * wires for _ in range(max((len(trail) for _, trail in nonempty), default=0))]
     for k, row in enumerate(merged):
-        for which, trail in told:
+        for which, trail in nonempty:
             for wire, measure in zip(which, trail[min(k, len(trail) - 1)]):
                 row[wire] = measure
     return merged

@@ -103,9 +103,10 @@ are off by 1e-5, errors of second order in time grow by 2 %.
 
 
 NUDGE = 1e-3
-"""Of an input, as a share of its size: a macro step agrees to some 1e-6 of the nominal values, so
-that differences over it are good to 1e-3 of a product that is as large as nominal values make it,
-and to a percent and more of one that is far smaller.
+"""Change of an input for a difference, relative to its size.
+
+A macro step converges to about 1e-6 of the nominal values. The error of a difference is therefore
+about 1e-3 of a product of nominal size, and a percent or more of a much smaller one.
 """
 
 

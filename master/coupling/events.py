@@ -7,9 +7,9 @@ from ..fmi.errors import Discard
 from .wiring import HeldWire, carry
 
 LARGEST_ITERATION = 1000
-"""Rounds of ticks at one instant; macro steps between clock ticks within one that was asked for."""
-WHOLE = 1e-9
-"""Of a step: what is left of it counts as nothing."""
+"""Maximum number of rounds of ticks at an instant, and of macro steps with ticks in an interval."""
+TIME_TOLERANCE = 1e-9
+"""Share of a step that counts as zero."""
 
 
 class EndlessEvents(RuntimeError):
@@ -19,17 +19,21 @@ class EndlessEvents(RuntimeError):
 class Events:
     """Clocks of all participants.
 
-    What happens at an instant t, before the macro step from t: held wires are carried, so that
-    clocked inputs sample what is there; clocks tick that are due by their interval; wires of clocks
-    carry every tick since to the clocks that it triggers, with what their sources say by then,
-    until nothing ticks any more. The macro step ends at the latest with the next tick, and one in
-    which a wired clock ticks is taken anew to there.
+    Before the macro step from an instant t:
+
+    1. Held wires carry their values, so that clocked inputs sample them.
+    2. Clocks tick that are due by their interval.
+    3. Wires of clocks carry all ticks since the last instant to the clocks that they trigger. This
+       repeats, with the values at that time, until no clock ticks.
+
+    The macro step ends at the next tick at the latest. If a wired clock ticks within it, the macro
+    step is repeated up to this tick.
 
     Parameters
     ----------
     participants : dict of str to Participant
     held : sequence of HeldWire
-        Those of the system.
+        Wires of the system that are not iterated.
     clocks : sequence of HeldWire
         From output clocks to triggered input clocks.
     """
@@ -63,7 +67,7 @@ class Events:
         except Discard as refusal:
             raise EndlessEvents(str(refusal)) from None
         tick = min(participant.next_tick() for participant in self.timed)
-        return tick - time if tick < time + step * (1.0 - WHOLE) else step
+        return tick - time if tick < time + step * (1.0 - TIME_TOLERANCE) else step
 
     def _trigger(self, time: float) -> None:
         """Hand ticks on along the wires of clocks."""
@@ -74,8 +78,8 @@ class Events:
             if not triggered:
                 return
             pairs = {(wire.source[0], wire.target[0]) for wire in triggered}
-            fresh = [w for w in self.held if (w.source[0], w.target[0]) in pairs]
-            carry(self.participants, fresh)
+            to_tick = [w for w in self.held if (w.source[0], w.target[0]) in pairs]
+            carry(self.participants, to_tick)
             for owner, name in dict.fromkeys(wire.target for wire in triggered):
                 self.participants[owner].set(name, True)
         raise EndlessEvents(f"t = {time:.6g} s: clocks trigger one another without end")

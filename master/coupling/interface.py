@@ -13,7 +13,7 @@ from ..participants.participant import Participant, block_of, derive_each
 from .vector import Evaluation, largest
 from .wiring import HeldWire, Wire, is_unknown, layout_of
 
-SMALL = 16
+SMALL_VECTOR = 16
 """Elements up to which a loop in Python is faster than operations on arrays."""
 
 
@@ -77,7 +77,7 @@ class Ends:
         self.taken.get()
         return self.taken.values[self.of_taken]
 
-    def hear(self, used: np.ndarray, y: np.ndarray) -> None:
+    def collect(self, used: np.ndarray, y: np.ndarray) -> None:
         """Collect the outputs; later participants use those of wires along the order."""
         if self.outputs:
             y[self.out] = self.values()
@@ -122,10 +122,10 @@ def _positions(parts: Sequence[slice]) -> tuple[Any, Any]:
 class Interface:
     """Vector layout of all wires.
 
-    The vector x holds, wire after wire, what the target reads. `feedback` marks the elements of
-    wires that run against the stepping order: the unknowns of a sequential (Gauss-Seidel)
-    evaluation (`unknowns`: their positions; `feedback_wires`: the slice of each wire among them).
-    Norms are scaled: element / nominal of its wire.
+    The vector x contains the values that the targets read, wire after wire. `feedback` marks the
+    elements of wires against the stepping order. They are the unknowns of a sequential
+    (Gauss-Seidel) evaluation. `unknowns` are their positions, and `feedback_wires` is the slice of
+    each wire among them. In norms, an element is divided by the nominal value of its wire.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ class Interface:
         }
         self._last: tuple[Evaluation, tuple[float, float], Mapping[str, Any]] | None = None
         self.starts = [part.start for part in self.parts]
-        is_small = 0 < self.size <= SMALL and set(sizes) == {1} and self.tolerance.all()
+        is_small = 0 < self.size <= SMALL_VECTOR and set(sizes) == {1} and self.tolerance.all()
         scalars = is_small and not self.relative
         self._scalar_tolerances = self.tolerance.tolist() if scalars else None
         self.separate = {
@@ -206,7 +206,7 @@ class Interface:
         self.stages = self._stages(against) if self.separate else [[name] for name in participants]
 
     def _stages(self, against: Sequence[bool]) -> list[list[str]]:
-        """Participants by the longest chain of wires along the order that leads to them."""
+        """Return the participants by the longest chain of wires that leads to them."""
         depth: dict[str, int] = {}
         for name in self.participants:
             sources = [
@@ -248,7 +248,7 @@ class Interface:
         """Return the vector of the present outputs."""
         y = np.empty(self.size)
         for ends in self.ends.values():
-            ends.hear(y, y)
+            ends.collect(y, y)
         return y
 
     def evaluate(
@@ -292,7 +292,7 @@ class Interface:
             if not self.separate:
                 spent[stage[0]] += now - fed
             for name in stage:
-                self.ends[name].hear(used, y)
+                self.ends[name].collect(used, y)
         spent["transport"] += transport + perf_counter() - now
         # an element that is fed back was used as in x, another one as in y
         at = Evaluation(used, y, y - x)

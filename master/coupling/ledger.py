@@ -4,7 +4,8 @@ A participant may have an output, named in the contract, for the power that it r
 wires, mean over the last step. Times the length of the step, it is the sum E_i of the stored and
 the dissipated energy.
 
-Eq. (W2):  c = sum over participants of E_i - L,   accepted if  c <= LIMIT (X + sum Z_i) + Y,
+Eq. (W2):  c = sum over participants of E_i - L,   accepted if
+               c <= LARGEST_SHARE (X + sum Z_i) + Y,
            X = sum |F_in| . |dq_out|,   Y = sum |F_in| . (tolerance of q)
 
 F and q are those of Eq. (W1) in the step. X is the energy exchanged, by the trapezoidal rule. Y is
@@ -33,12 +34,12 @@ from .work import End, Exchange
 
 Participants = Mapping[str, Participant]
 
-LIMIT = 0.1
+LARGEST_SHARE = 0.1
 """Largest spurious energy over the energy exchanged and stored, an assumption. The shipped cases
 exceed 2 % in 6 of 726 steps at most, and slaps on scarce oil have up to 8 %
 (docs/measurements/impacts.md).
 """
-REMEMBERED = 0.5
+MEMORY_SHARE = 0.5
 """Fraction of the size and of the loss of a step that counts in the next one."""
 
 
@@ -125,12 +126,12 @@ class Ledger:
         """Raise EnergyCreated if the spurious energy of a macro step exceeds its limit."""
         created = step.total - self.lost
         size = self._size(step)
-        allowed = LIMIT * size + step.worth
+        allowed = LARGEST_SHARE * size + step.worth
         if created > allowed:  # Eq. (W2)
-            said = ", ".join(f"{name} {amount:.3g} J" for name, amount in step.amounts.items())
+            amounts = ", ".join(f"{name} {amount:.3g} J" for name, amount in step.amounts.items())
             raise EnergyCreated(
-                f"spurious energy: {created:.3g} J ({said}) of {size:.3g} J exchanged or stored, "
-                f"limit {allowed:.3g} J"
+                f"spurious energy: {created:.3g} J ({amounts}) of {size:.3g} J exchanged or "
+                f"stored, limit {allowed:.3g} J"
             )
 
     def add(self, step: Balance) -> None:
@@ -142,7 +143,7 @@ class Ledger:
         created = step.total - self.lost
         if size > 0.0:
             self.largest = max(self.largest, created / size)
-        self.lost = REMEMBERED * max(-created, 0.0)
+        self.lost = MEMORY_SHARE * max(-created, 0.0)
 
     def summary(self) -> dict[str, float]:
         """Return the summary entries: energy received by each participant [J], and `largest`."""
@@ -150,7 +151,7 @@ class Ledger:
         return taken | {"energy_created_share_max": self.largest}
 
     def _size(self, step: Balance) -> float:
-        return max(step.passed + step.stored, REMEMBERED * self.size)
+        return max(step.passed + step.stored, MEMORY_SHARE * self.size)
 
 
 def ledger(

@@ -19,13 +19,13 @@ from .wiring import System
 MOST_UNKNOWNS = 200
 """Unknowns of a loop up to which its matrix is measured, one step of all members for each."""
 FEW_UNKNOWNS = 20
-"""Up to so many Newton by differences needs fewer evaluations than secants learn from."""
-WEAK = 0.5
+"""Number of unknowns up to which Newton by differences needs fewer evaluations than secants."""
+WEAK_GAIN = 0.5
 """Gain up to which an exchange without iteration is taken to be stable and of use."""
-NEAR = 1e-3
+GAIN_ERROR = 1e-3
 """Error of a gain that is measured by differences."""
 MOST_HALVINGS = 6
-"""How often the step is halved to find one of a weak gain."""
+"""Maximum number of halvings of the step to find one with a weak gain."""
 
 ROW = "  {:9s} {:>8s} {:>9s} {:>9s} {:>9s}  {}"
 HEADER = ROW.format("method", "unknowns", "gain", "condition", "step", "participants")
@@ -132,7 +132,7 @@ def _explicit(one: Loop, own: Part, system: System) -> Loop:
         if halvings:
             step = system.step / 2**halvings
             gain = _gain(_matrix(own, system.begin, step))
-        if gain <= WEAK:
+        if gain <= WEAK_GAIN:
             return replace(one, step=step, why=unable)
     smallest = short(step, "s")
     return replace(one, why=f"{unable}; gain {gain:.3g} still at a step of {smallest}: may diverge")
@@ -161,18 +161,19 @@ def _unstable(matrix: np.ndarray, own: Part) -> str:
     A change returns multiplied by the eigenvalues of J. A positive one of 1 keeps a value.
     """
     values, vectors = np.linalg.eig(matrix)
-    away = np.where(np.real(values) > 0.0, np.abs(values) - NEAR, np.abs(values) + NEAR)
+    away = np.where(np.real(values) > 0.0, np.abs(values) - GAIN_ERROR, np.abs(values) + GAIN_ERROR)
     k = int(np.argmax(away))
     if not away[k] >= 1.0:
         return ""
     interface = own.interface
     element = int(interface.unknowns[np.argmax(np.abs(vectors[:, k]))])
     wire = next(w for w, p in zip(interface.wires, interface.parts) if element < p.stop)
-    how = "grows" if np.abs(values[k]) > 1.0 + NEAR else "oscillates without damping"
+    behaviour = "grows" if np.abs(values[k]) > 1.0 + GAIN_ERROR else "oscillates without damping"
     factor = short(float(np.abs(values[k])), "1")
     return (
         f"expected an iteration of the loop {', '.join(own.component.names)}, got an exchange that "
-        f"{how}: a change of {'.'.join(wire.source)} is {factor} times as large after a macro step"
+        f"{behaviour}: a change of {'.'.join(wire.source)} is {factor} times as large after a "
+        "macro step"
     )
 
 

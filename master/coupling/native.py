@@ -169,8 +169,8 @@ def give_up(system: System, state: CoupledState):
 
 
 @compiled
-def resolve(memory: np.ndarray, time: float, step: float, most: int):
-    """Take a macro step in parts that resolve the motion, as `Stepper._resolve`."""
+def take_resolved_parts(memory: np.ndarray, time: float, step: float, most: int):
+    """Take a macro step in parts that resolve the motion, as `Stepper._take_resolved_parts`."""
     system = system_of(memory)
     state = state_of(memory)
     limits = setup_of(memory).exposed.limits
@@ -208,13 +208,13 @@ def resolve(memory: np.ndarray, time: float, step: float, most: int):
 
 
 @compiled
-def macro_step(memory: np.ndarray, time: float, step: float):
-    """Take a macro step or parts of it, as `Stepper._step`; return False and note why if none."""
+def take_macro_step(memory: np.ndarray, time: float, step: float):
+    """Take a macro step, as `Stepper._take_macro_step`; return False and note why if it fails."""
     system = system_of(memory)
     state = state_of(memory)
     halvings = rules_of(memory).halvings
     most = min(REPETITIONS, halvings) if len(setup_of(memory).exposed.limits) > 0 else 0
-    if most > 0 and resolve(memory, time, step, most):
+    if most > 0 and take_resolved_parts(memory, time, step, most):
         return True
     x = np.zeros(len(system.layout.nominal))
     depth = done = 0
@@ -236,7 +236,7 @@ def macro_step(memory: np.ndarray, time: float, step: float):
 
 
 @compiled
-def reach(memory: np.ndarray, time: float, step: float):
+def take_macro_steps(memory: np.ndarray, time: float, step: float):
     """Take macro steps up to time + step, as `Coupled.advance`; return False if one fails.
 
     More than `MOST_STEPS` are rejected.
@@ -252,7 +252,7 @@ def reach(memory: np.ndarray, time: float, step: float):
     for k in range(steps):
         before = macro_step_end(time, step, k / steps, rules.step)
         after = macro_step_end(time, step, (k + 1) / steps, rules.step)
-        if not macro_step(memory, before, after - before):
+        if not take_macro_step(memory, before, after - before):
             return False
     return True
 
@@ -329,7 +329,9 @@ def begin(real: np.ndarray, integer: np.ndarray, memory: np.ndarray):
 
 
 @compiled
-def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
+def take_communication_step(
+    real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray
+):
     """Advance as `Coupled.advance`; return False and keep the state if it fails.
 
     numbers : length of the step, its begin [s], and `WAS_SAVED`, after which the step uses no
@@ -347,7 +349,7 @@ def go_on(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
     exposed = setup_of(memory).exposed
     carry(real, integer, system, exposed.parameters, INWARD)  # tunable ones may have changed
     carry(real, integer, system, exposed.inputs, INWARD)
-    if reach(memory, numbers[1], numbers[0]):
+    if take_macro_steps(memory, numbers[1], numbers[0]):
         save(system)
         return True
     keep(parts.state, parts.before)
@@ -379,9 +381,9 @@ def start(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np
 
 @compiled
 def advance(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: np.ndarray):
-    """Take a communication step; numbers : as of `go_on`."""
+    """Take a communication step; numbers : as of `take_communication_step`."""
     parts_of(memory).faults[0] = 0.0
-    if go_on(real, integer, memory, numbers):
+    if take_communication_step(real, integer, memory, numbers):
         carry(real, integer, system_of(memory), setup_of(memory).exposed.outputs, OUTWARD)
         remember(real, memory, numbers[1], numbers[0])
 
@@ -415,7 +417,9 @@ def nudged(real: np.ndarray, inputs: np.ndarray, last: LastMacroStep, length: fl
 
 
 @compiled
-def again(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: LastMacroStep):
+def repeat_last_step(
+    real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: LastMacroStep
+):
     """Repeat the last step, or the start; return whether it succeeded."""
     if last.step == 0.0:
         return begin(real, integer, memory)
@@ -424,7 +428,7 @@ def again(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, last: LastM
     numbers = np.zeros(4)
     numbers[0] = last.step
     numbers[1] = last.time
-    return go_on(real, integer, memory, numbers)
+    return take_communication_step(real, integer, memory, numbers)
 
 
 @compiled
@@ -456,7 +460,9 @@ def tangent(real: np.ndarray, integer: np.ndarray, memory: np.ndarray, numbers: 
         return
     length = nudge_of(real, exposed.inputs, last, rules_of(memory).nudge)
     state, before = parts.state.copy(), parts.before.copy()
-    if length == 0.0 or again(nudged(real, exposed.inputs, last, length), integer, memory, last):
+    if length == 0.0 or repeat_last_step(
+        nudged(real, exposed.inputs, last, length), integer, memory, last
+    ):
         differ(real, system_of(memory), exposed.outputs, last, length)
     keep(parts.state, state)
     keep(parts.before, before)

@@ -185,16 +185,16 @@ def _wire(
 ) -> WireRow:
     """Return the row of the k-th wire."""
     names = list(insides)
-    (source, said), (target, heard) = wire.source, wire.target
+    (source, source_name), (target, target_name) = wire.source, wire.target
     places = {name: inside.slave.references for name, inside in insides.items()}
     v = _target(wire, insides)
     return WireRow(
         source=names.index(source),
-        source_place=places[source][said],
+        source_place=places[source][source_name],
         target=names.index(target),
-        target_place=places[target][heard],
-        seed=places[target].get(reserved(SEED, heard), NOWHERE),
-        product=places[source].get(reserved(PRODUCT, said), NOWHERE),
+        target_place=places[target][target_name],
+        seed=places[target].get(reserved(SEED, target_name), NOWHERE),
+        product=places[source].get(reserved(PRODUCT, source_name), NOWHERE),
         first=first,
         elements=prod(wire.shape),
         is_unknown=is_unknown,

@@ -15,7 +15,7 @@ from ..fmi.native_parts import (
     TO_COORDINATES,
 )
 from ..fmi.noted import refuse
-from .methods.iteration import NONE, Answer, Update, converge, field_update
+from .methods.iteration import NO_FAILURE, Answer, Update, converge, field_update
 from .methods.krylov import Goal, Pairs, learn, length, minimise
 from .native_block import ON_WIRE, Rules, WireRow, participant_from, rules_of, state_of
 from .native_system import (
@@ -42,7 +42,7 @@ SMALL_RESIDUAL = 300.0
 """Residual over its tolerance at which the first update of a step has rough products. They leave a
 three-hundredth of it. Where surfaces touch, further rough updates do not converge.
 """
-LEAST = 1e-6
+LEAST_SCALE = 1e-6
 """Scale of coordinates that move no film, over the largest scale."""
 
 
@@ -297,7 +297,7 @@ def set_scale(system: System, values: np.ndarray):
     """Write how much each coordinate changes the unknowns; return whether the owner answered."""
     if not call_owner(system, MEASURE, 0.0):
         return False
-    least = LEAST * np.max(values)
+    least = LEAST_SCALE * np.max(values)
     for k in range(len(values)):
         system.scale[k] = max(values[k], least)
     return True
@@ -410,7 +410,7 @@ def find(memory: np.ndarray, x: np.ndarray, time: float, length: float, noted: n
         if len(end.history) == 1:  # else a guess would be extrapolated again, and drift
             first = len(x) - len(system.scale)
             keep(x[first:], end.at.outputs[first:])
-    if end.failure != NONE:
+    if end.failure != NO_FAILURE:
         count, best, last = len(end.history), np.min(end.history), end.history[-1]
         refuse(system.failures, end.failure, float(count), 0.0, last, best, 0.0)
         note_worst(system, end.at.residual)

@@ -15,7 +15,7 @@ from .components import components, rolled_back
 from .methods import Method, Newton
 from .wiring import System, Wire
 
-MARGIN = 10.0
+NOISE_MARGIN = 10.0
 """Tolerance of a wire in a loop, in noises of a restored step."""
 
 
@@ -91,7 +91,8 @@ def _is_rejected(system: System, name: str, one: RollbackTrial) -> bool:
 def tried(system: System, trials: Mapping[str, RollbackTrial]) -> System:
     """Return the system in which only participants that passed their trial are restored.
 
-    The wires of a loop of which a participant is noisy get a tolerance of MARGIN times that noise.
+    If a participant of a loop is noisy, the wires of the loop get a tolerance of NOISE_MARGIN times
+    that noise.
     """
     participants = {
         name: OneWayParticipant(participant)
@@ -118,12 +119,12 @@ def tried(system: System, trials: Mapping[str, RollbackTrial]) -> System:
 
 
 def _raised(wire: Wire, noise: float, sizes: Mapping[str, float]) -> Wire:
-    """Return a wire with a tolerance of MARGIN times the relative noise of its loop."""
-    absolute = MARGIN * noise * sizes.get(wire.source[1], 0.0)
+    """Return a wire with a tolerance of NOISE_MARGIN times the relative noise of its loop."""
+    absolute = NOISE_MARGIN * noise * sizes.get(wire.source[1], 0.0)
     return replace(
         wire,
         tolerance=max(wire.tolerance, absolute),
-        relative_tolerance=max(wire.relative_tolerance, MARGIN * noise),
+        relative_tolerance=max(wire.relative_tolerance, NOISE_MARGIN * noise),
         noise=noise,
     )
 
@@ -137,7 +138,9 @@ def trial_sentences(system: System, trials: Mapping[str, RollbackTrial]) -> list
             hint = "" if one.fault else f"; participants.{name}.rollback = true iterates it"
             lines.append(f"{name}: {one.fault or one.message}; {how}{hint}")
         elif one.noise:
-            lines.append(f"{name}: {one.message}; its loop is iterated to {MARGIN:g} times this")
+            lines.append(
+                f"{name}: {one.message}; its loop is iterated to {NOISE_MARGIN:g} times this"
+            )
         if one.remark:
             lines.append(f"{name}: {one.remark}; its recorded values may be wrong")
     return lines

@@ -1,4 +1,4 @@
-"""How participants start together, and are closed."""
+"""Start and end of all participants together."""
 
 import warnings
 from collections.abc import Callable, Generator, Iterable, Mapping
@@ -11,7 +11,7 @@ from ..fmi.errors import BadInput, ParticipantFault, collecting
 from ..participants.participant import Participant
 from .interface import Evaluation, Interface
 from .methods import Newton, NotConverged
-from .methods.newton import SINGULAR
+from .methods.newton import SINGULAR_RATIO
 from .methods.probing import jacobian
 from .wiring import System, Wire, carry
 
@@ -121,7 +121,7 @@ def _agree(interface: Interface) -> None:
 def _undetermined(begin: "Start", x: np.ndarray) -> list[str]:
     """Return the inputs on unknown wires that the start loop leaves open.
 
-    Eq. (Q12):  (I - J) v = s v',   singular where s < SINGULAR,   J by differences
+    Eq. (Q12):  (I - J) v = s v',   singular where s < SINGULAR_RATIO,   J by differences
 
     Loops of more than LARGEST_CHECKED unknowns are not checked.
     """
@@ -132,7 +132,7 @@ def _undetermined(begin: "Start", x: np.ndarray) -> list[str]:
     matrix = jacobian(begin, x)
     begin.evaluate(x)
     _, sizes, directions = np.linalg.svd(np.eye(len(unknowns)) - matrix)  # Eq. (Q12)
-    open_ones = np.abs(directions[sizes < SINGULAR]).max(axis=0, initial=0.0)
+    open_ones = np.abs(directions[sizes < SINGULAR_RATIO]).max(axis=0, initial=0.0)
     named = {int(unknowns[k]) for k in np.flatnonzero(open_ones > 0.1)}
     return [
         ".".join(wire.target)

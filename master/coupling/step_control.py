@@ -16,15 +16,16 @@ from .methods.solution import Solution
 from .vector import is_longer
 from .wiring import Wire
 
-SAFETY = 0.9
+SAFETY_FACTOR = 0.9
 SMALLEST_FACTOR = 0.2
 LARGEST_FACTOR = 2.0
-"""Of the new step: aim below the allowed error; never change by more than these factors at once.
+"""Factors of the new step: `SAFETY_FACTOR` aims below the allowed error, the others are bounds.
+
 BDF2 is zero-stable only while steps grow by less than 1 + sqrt(2).
 """
 ROUND_OFF = 1e-9
 """Relative difference between lengths of steps that is ignored."""
-HARD = 12
+HARD_ITERATIONS = 12
 """A step that took this many iterations is not followed by a longer one."""
 
 
@@ -90,9 +91,9 @@ class StepControl:
         self.error = self._error(time + step, solution.x)
         factor = LARGEST_FACTOR
         if self.error > 0.0:
-            wanted = SAFETY * self.error ** (-1 / 3)
-            factor = min(LARGEST_FACTOR, max(SMALLEST_FACTOR, wanted))  # Eq. (S3)
-        self.step = step * (min(factor, 1.0) if solution.iterations >= HARD else factor)
+            growth = SAFETY_FACTOR * self.error ** (-1 / 3)
+            factor = min(LARGEST_FACTOR, max(SMALLEST_FACTOR, growth))  # Eq. (S3)
+        self.step = step * (min(factor, 1.0) if solution.iterations >= HARD_ITERATIONS else factor)
         small = step <= self.smallest * (1 + ROUND_OFF)
         self.at_smallest += small and self.error > 1.0
         return small or self.error <= 1.0

@@ -1,4 +1,16 @@
-"""The run in time: predict, converge, accept or halve; every macro step accounted for."""
+"""Macro steps of a run: predict the wires, converge, then accept, halve or repeat the step.
+
+`Stepper.advance` has three ways through an interval:
+
+- `_advance_by_control`: steps of the lengths that step control chooses, each by
+  `_try_controlled_step`;
+- `_advance_by_ticks`: macro steps that end where clocks tick;
+- otherwise one macro step.
+
+`_take_macro_step` takes a macro step of the last two kinds. It first tries
+`_take_resolved_parts`, whose parts are short enough for the motion of the participants, and
+otherwise `_take_converged_parts`, whose parts converge.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,8 +23,8 @@ import numpy as np
 from ..fmi.errors import Discard, ParticipantFault, Stopped, Ticked
 from ..participants.participant import block_of
 from ..participants.warned import LoggedWarnings, NamedWarning
-from .events import LARGEST_ITERATION, WHOLE, EndlessEvents, Events
-from .interface import SMALL, Interface
+from .events import LARGEST_ITERATION, TIME_TOLERANCE, EndlessEvents, Events
+from .interface import SMALL_VECTOR, Interface
 from .methods import MacroStep, Method, NotConverged, Solution
 from .methods.explicit import Explicit
 from .settling import solve_settled
@@ -23,7 +35,7 @@ from .wiring import HeldWire, System
 Judge = Callable[[float, Solution, bool, bool], None]
 
 REPETITIONS = 5
-"""Largest number of halvings of a macro step that does not resolve the motion."""
+"""Largest number of halvings of a macro step that is too long for the motion."""
 WITHOUT_PARTS = "a macro step was taken without parts, because a part of it failed"
 
 
@@ -109,7 +121,7 @@ class Predictor:
             return self.past[0][1] + 0.0  # as `extrapolate`, which has no -0
         times, vectors = zip(*self.past)
         size = len(vectors[0])
-        if size > SMALL:
+        if size > SMALL_VECTOR:
             return extrapolate(times, vectors, time)
         weights = [0.0] * len(times)
         lagrange(times, time, weights)
@@ -144,16 +156,17 @@ class Stepper:
         Its participants must have been started.
     method : Method
     halvings : int
-        How often in a row a macro step may be halved.
+        Maximum number of successive halvings of a macro step.
     observer : Observer
     order : int
-        Of the predictor.
+        Order of the predictor.
     control : StepControl, optional
-        Divides what `advance` is asked for; without it every step is as long as asked.
+        Chooses the lengths of macro steps. If omitted, a macro step is as long as the interval of
+        `advance`.
     held : sequence of HeldWire
-        Those of the system.
+        Wires of the system that are not iterated.
     begin : float
-        Where the participants stand [s].
+        Time of the participants at the start [s].
     judge : callable(time, solution, is_first, is_last), optional
         Called after a converged part of a macro step that ends at `time` [s], the first or the last
         one. Raises EnergyCreated if the macro step created energy.
@@ -214,11 +227,11 @@ class Stepper:
         """
         try:
             if self.control:
-                self._controlled(self.control, time, step)
+                self._advance_by_control(self.control, time, step)
             elif self.events:
-                self._between_ticks(time, step, self.halvings)
+                self._advance_by_ticks(time, step)
             else:
-                self._step(time, step, self.halvings)
+                self._take_macro_step(time, step, self.halvings)
         except EndlessEvents as failure:
             raise StepFailed(str(failure)) from None
 
@@ -230,43 +243,49 @@ class Stepper:
         """Return the first warning of each kind about each wire or output."""
         return [(name, one) for name, many in self.warnings.items() for one in many.all()]
 
-    def _between_ticks(self, time: float, step: float, halvings: int) -> None:
+    def _advance_by_ticks(self, time: float, step: float) -> None:
         """Take macro steps from one tick of a clock to the next."""
         end = time + step
         for _ in range(LARGEST_ITERATION):
             length = self.events.length(time, end - time)
-            time = self._step(time, length, halvings)
-            if end - time <= WHOLE * step:
+            time = self._take_macro_step(time, length, self.halvings)
+            if end - time <= TIME_TOLERANCE * step:
                 return
         raise EndlessEvents(f"t = {time:.6g} s: {LARGEST_ITERATION} clock ticks in a macro step")
 
-    def _step(self, time: float, step: float, halvings: int) -> float:
-        """Take a macro step, or parts of it; return the time reached [s].
+    def _take_macro_step(self, time: float, step: float, halvings: int) -> float:
+        """Take a macro step; return the time reached [s].
 
-        If the parts that resolve the motion of the participants fail, the step is taken without
-        them. Then a part has the length of the macro step, halved `depth` times, and is halved
-        again if it fails. A tick of a clock ends the step before time + step.
+        If participants limit the step, it is first tried in parts that resolve their motion. If
+        these fail, or without limits, it is only halved until it converges. A tick of a clock ends
+        the step before time + step.
         """
+        most = min(REPETITIONS, halvings) if self.limits else 0
         try:
-            if self.limits and halvings and self._resolve(time, step, min(REPETITIONS, halvings)):
+            if most and self._take_resolved_parts(time, step, most):
                 return time + step
         except Ticked as tick:
-            return self._step(time, tick.time - time, halvings)
+            return self._take_macro_step(time, tick.time - time, halvings)
+        return self._take_converged_parts(time, step, halvings)
+
+    def _take_converged_parts(self, time: float, step: float, halvings: int) -> float:
+        """Take a macro step in parts that converge; return the time reached [s].
+
+        The first part is the whole step. A part that fails is halved, at most `halvings` times.
+        Each part is accepted at once. A tick of a clock ends the step as for `_take_macro_step`.
+        """
         depth = done = 0  # halvings, and parts of this length that are done
         while done < 1 << depth:
             length = step / (1 << depth)
             begin = time + done * length
             saved = self._save()
             try:
-                solution = self._converge(begin, length, saved)
-                self.judge(begin + length, solution, True, True)
-                self.predictor.keep(begin + length, solution.x)
-                self._accept(begin, length, solution, self.interface.trail)
+                self._accept_solved(begin, length, self._converge(begin, length, saved))
             except Ticked as tick:
                 self._roll_back(begin, length, saved, tick)
-                return self._step(begin, tick.time - begin, halvings - depth)
+                return self._take_macro_step(begin, tick.time - begin, halvings - depth)
             except (NotConverged, Discard, EnergyCreated) as failure:
-                self._give_up(begin, length, saved, failure, depth < halvings)
+                self._roll_back_failed(begin, length, saved, failure, depth < halvings)
                 done, depth = 2 * done, depth + 1
             else:
                 done += 1
@@ -276,12 +295,13 @@ class Stepper:
                 self._free(saved)
         return time + step
 
-    def _resolve(self, time: float, step: float, most: int) -> bool:
+    def _take_resolved_parts(self, time: float, step: float, most: int) -> bool:
         """Take a macro step in parts that resolve the motion of all participants.
 
-        A part is halved, `most` times at the largest, if it is too long or does not converge. The
-        observer sees all attempts when the macro step is complete. Return False and restore the
-        start if the smallest part does not converge, or if the parts together create energy.
+        A part is halved, at most `most` times, if it is too long for the motion or does not
+        converge. The parts are accepted together when the macro step is complete. Return False and
+        restore the start if the smallest part does not converge, or if the parts together create
+        energy.
         """
         past = self.predictor.past
         longest = self._longest_step()
@@ -295,7 +315,7 @@ class Stepper:
                 saved = self._save()
                 part = Attempt(time + done * length, length, saved, self.interface.trail)
                 attempts.append(part)
-                self._attempt(part, done == 0, done + 1 == 1 << depth, depth < most)
+                self._solve_part(part, done == 0, done + 1 == 1 << depth, depth < most)
                 longest = self._longest_step()
                 if part.failure is None:
                     done, depth = joined(done + 1, depth)
@@ -306,24 +326,24 @@ class Stepper:
                     continue
                 created = isinstance(part.failure, EnergyCreated)
                 if depth == most or created and done:
-                    self._undo(attempts, past, part.failure)
+                    self._undo_parts(attempts, past, part.failure)
                     self.counters.steps_without_parts += 1
                     self.warn(".".join(next(iter(self.limits))), WITHOUT_PARTS, time)
                     self.counters.energy_refused_steps += created
                     return False
-                self._note(part.begin, length, part.failure)
+                self._record_failure(part.begin, length, part.failure)
                 longest = self._longest_step()
                 done, depth = 2 * done, depth + 1
-            self._report(attempts)
+            self._accept_parts(attempts)
         except Ticked as tick:
-            self._undo(attempts, past, tick)
+            self._undo_parts(attempts, past, tick)
             raise
         finally:
             for one in attempts:
                 self._free(one.saved)
         return True
 
-    def _attempt(self, part: Attempt, is_first: bool, is_last: bool, may_halve: bool) -> None:
+    def _solve_part(self, part: Attempt, is_first: bool, is_last: bool, may_halve: bool) -> None:
         """Solve a part of a macro step; set its solution and its failure, if it has one."""
         end = part.begin + part.length
         try:
@@ -336,8 +356,8 @@ class Stepper:
         except (Unresolved, NotConverged, Discard, EnergyCreated) as failure:
             part.failure = failure
 
-    def _report(self, attempts: Sequence[Attempt]) -> None:
-        """Report all attempts at a macro step; the observer finds the state after each part."""
+    def _accept_parts(self, attempts: Sequence[Attempt]) -> None:
+        """Count and report all attempts at a macro step, each at the state after it."""
         last = self._save() if sum(one.failure is None for one in attempts) > 1 else {}
         ends = [one.saved for one in attempts[1:]] + [last]
         try:
@@ -352,8 +372,8 @@ class Stepper:
         finally:
             self._free(last)
 
-    def _undo(self, attempts: Sequence[Attempt], past: Any, reason: Exception) -> None:
-        """Return to the start of a macro step whose parts are not accepted for a reason."""
+    def _undo_parts(self, attempts: Sequence[Attempt], past: Any, reason: Exception) -> None:
+        """Return to the start of a macro step whose parts fail for a reason; report them."""
         self._restore(attempts[0].saved)
         self.predictor.past = past
         self.memory = self.method.memory()
@@ -368,8 +388,8 @@ class Stepper:
             block.get()
         return min((float(block.values[0]) for block in self._limit_blocks), default=inf)
 
-    def _controlled(self, control: StepControl, time: float, step: float) -> None:
-        """Take the macro steps of step control, each to the next tick at most."""
+    def _advance_by_control(self, control: StepControl, time: float, step: float) -> None:
+        """Take macro steps of the lengths that step control chooses, to the next tick at most."""
         end = time + step
         tick = end
         while time < end:
@@ -377,14 +397,14 @@ class Stepper:
             rest = min(rest, tick - time) if tick > time else rest
             length, last = control.length(rest)
             try:
-                if self._controlled_step(control, time, length):
+                if self._try_controlled_step(control, time, length):
                     whole = last and rest == end - time
                     time = end if whole else time + (rest if last else length)
             except Ticked as early:
                 tick = early.time
 
-    def _controlled_step(self, control: StepControl, time: float, step: float) -> bool:
-        """Return whether the step was accepted; set the next length of step control."""
+    def _try_controlled_step(self, control: StepControl, time: float, step: float) -> bool:
+        """Try one macro step; return whether it was accepted. Step control sets the next length."""
         saved = self._save()
         try:
             solution = self._converge(time, step, saved)
@@ -396,9 +416,7 @@ class Stepper:
                 reason = f"local error {control.error:.2g} times the allowed one"
                 self.counters.rejected_steps += 1
             else:
-                self.judge(time + step, solution, True, True)
-                self.predictor.keep(time + step, solution.x)
-                self._accept(time, step, solution, self.interface.trail)
+                self._accept_solved(time, step, solution)
                 if self._limits_control:
                     control.limit(longest)
                 return True
@@ -407,7 +425,7 @@ class Stepper:
             self._roll_back(time, step, saved, tick)
             raise
         except (NotConverged, Discard, EnergyCreated) as failure:
-            self._give_up(time, step, saved, failure, control.halve(step))
+            self._roll_back_failed(time, step, saved, failure, control.halve(step))
         finally:
             self._free(saved)
         return False
@@ -429,6 +447,12 @@ class Stepper:
         for name, state in saved.items():
             self.interface.participants[name].free(state)
         self.interface.spent["transport"] += perf_counter() - begun
+
+    def _accept_solved(self, time: float, step: float, solution: Solution) -> None:
+        """Accept a step that is solved; raise EnergyCreated if it creates energy."""
+        self.judge(time + step, solution, True, True)
+        self.predictor.keep(time + step, solution.x)
+        self._accept(time, step, solution, self.interface.trail)
 
     def _accept(
         self, time: float, step: float, solution: Solution, trail: list[list[float]]
@@ -452,7 +476,7 @@ class Stepper:
         for name, state in saved.items():
             self.interface.participants[name].restore(state)
 
-    def _give_up(
+    def _roll_back_failed(
         self,
         time: float,
         step: float,
@@ -460,7 +484,10 @@ class Stepper:
         failure: NotConverged | Discard | EnergyCreated,
         may_halve: bool,
     ) -> None:
-        """Roll back a failed step and clear the history; raise StepFailed if it is the last."""
+        """Roll back a failed step and clear the history.
+
+        Raises StepFailed if the step cannot be halved, or if the failure is final.
+        """
         # the inputs of a first evaluation are accepted values: a second NaN is no accident
         not_finite = getattr(failure, "is_not_finite", False)
         is_final = getattr(failure, "is_final", False) or (not_finite and self._was_not_finite)
@@ -471,16 +498,18 @@ class Stepper:
             if not getattr(failure, "is_final", False):
                 raise ParticipantFault(f"{failure}; {fault}") from None
         self._was_not_finite = not_finite
-        self._note(time, step, failure, is_final)
+        self._record_failure(time, step, failure, is_final)
         if is_final:
             raise StepFailed(self.failures[-1]) from failure
 
-    def _note(self, time: float, step: float, failure: Exception, is_final: bool = False) -> None:
-        """Note a step that failed, and that is halved if the failure is not final."""
-        said = str(failure)
+    def _record_failure(
+        self, time: float, step: float, failure: Exception, is_final: bool = False
+    ) -> None:
+        """Record a failed step and clear the history; if it is not final, the step is halved."""
+        reason = str(failure)
         if is_final and isinstance(failure, NotConverged):
-            said = failure.explained()
-        self.failures.append(f"t = {time:.6g} s, step {step:.3g} s: {said}")
+            reason = failure.explained()
+        self.failures.append(f"t = {time:.6g} s, step {step:.3g} s: {reason}")
         self.predictor.clear()
         self.memory = self.method.memory()
         self.counters.energy_refused_steps += isinstance(failure, EnergyCreated)

@@ -13,7 +13,7 @@ Positions = NDArray[np.int64]
 
 MOST_STEPS = 1e6
 """Largest number of macro steps in a communication step: 1400 cycles of the shipped cases."""
-EQUAL = 1e-3
+STEP_TOLERANCE = 1e-3
 """Relative difference of steps that is ignored; clocks that count whole nanoseconds have 1e-5."""
 TOO_LONG = "step size = {a} s: more than {b} macro steps of {c} s"
 
@@ -72,7 +72,7 @@ def largest(measures: Sequence[float] | Array):
     return maximum
 
 
-NEAR = 1e-6
+END_TOLERANCE = 1e-6
 """Share of a macro step by which hosts may miss its end."""
 
 
@@ -83,7 +83,7 @@ def macro_step_end(time: float, step: float, share: float, length: float):
     A host that adds up its times misses the multiples of a macro step by some last digits, with
     which an iteration may end earlier.
 
-    Eq. (Y6):  t = n H  if  |t - n H| <= NEAR H
+    Eq. (Y6):  t = n H  if  |t - n H| <= END_TOLERANCE H
 
     Parameters
     ----------
@@ -99,14 +99,14 @@ def macro_step_end(time: float, step: float, share: float, length: float):
     """
     end = time + step * share
     near = np.floor(end / length + 0.5) * length
-    is_near = abs(end - near) <= NEAR * length and step >= (1.0 - NEAR) * length
+    is_near = abs(end - near) <= END_TOLERANCE * length and step >= (1.0 - END_TOLERANCE) * length
     return near if is_near else end  # Eq. (Y6)
 
 
 @compilable
 def is_longer(step: float, limit: float):
     """Return whether a step exceeds a limit by more than round-off of clocks [s]."""
-    return step > limit * (1.0 + EQUAL)
+    return step > limit * (1.0 + STEP_TOLERANCE)
 
 
 @compilable

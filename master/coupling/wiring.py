@@ -23,10 +23,11 @@ def port_of(text: str) -> Port:
 
 @dataclass(frozen=True)
 class HeldWire:
-    """Wire that carries no real numbers, or ends at a clocked input or tunable parameter.
+    """Wire that is not iterated: its values are not real numbers, or it is clocked.
 
-    clocked : whether it does. Then the target gets the value of the source at the beginning of a
-    macro step, otherwise in each evaluation (`Interface`).
+    clocked : whether it ends at a clocked input or a tunable parameter. Then the target gets the
+    value of the source at the beginning of a macro step, otherwise in each evaluation
+    (`Interface`).
     """
 
     source: Port
@@ -119,14 +120,14 @@ class System:
     """Participants in the order they start, wires, parameters in SI, and times.
 
     begin, stop, step : start and stop time, macro step [s]; smallest_step : where step control
-    divides macro steps [s]; record_interval : from one record of the fields to the next [s], 0
-    where macro steps are counted; parallel : Jacobi's order, every participant reads what the
-    others said in the evaluation before; held : wires that carry no real numbers, or end at clocked
-    inputs; clocks : wires from clock to clock; period : of the machine [s], 0 where it is unknown;
-    earliest : where the run may end [s], `stop` unless it ends once periodic; masks : participant
-    -> rows of the cells of its fields, 1 where there is one, 0 where not; trusted : participants
-    that are restored whatever the error; limits : outputs with the longest step that resolves the
-    motion of a participant [s].
+    divides macro steps [s]; record_interval : time between records of the fields [s], 0 if macro
+    steps are counted; parallel : Jacobi's order, in which every participant reads the outputs of
+    the evaluation before; held : wires that are not iterated; clocks : wires from clock to clock;
+    period : of the machine [s], 0 if it is unknown; earliest : first time at which the run may end
+    [s], which is `stop` unless the run ends when it is periodic; masks : participant -> rows of the
+    cells of its fields, 1 for an existing cell, else 0; trusted : participants that are restored
+    without a test of their states; limits : outputs with the longest step that resolves the motion
+    of a participant [s].
     """
 
     participants: Mapping[str, Any]

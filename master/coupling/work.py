@@ -60,9 +60,9 @@ class InterfaceWork:
     Eq. (W1):  W_1 = sum_steps F_in . (q_out(t+H) - q_out(t)),
                W_2 = sum_steps F_out . (q_in(t+H) - q_in(t))
 
-    q is the wire's field, F its conjugate; side 1 computes q_out from F_in, side 2 F_out from q_in.
-    Where q is a velocity, q H stands for the difference. A wire agrees to its tolerance; W_1 - W_2
-    says what that is worth as energy.
+    q is the wire's field, F its conjugate. Side 1 computes q_out from F_in, and side 2 computes
+    F_out from q_in. If q is a velocity, q H replaces the difference. Both sides of a wire agree
+    within its tolerance, and W_1 - W_2 is the energy that corresponds to the remaining difference.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class InterfaceWork:
     tables : sequence of WireTable
         The wires as the case says them.
     begin : float
-        Where the participants stand [s].
+        Time of the participants at the start [s].
 
     Raises
     ------

@@ -59,7 +59,7 @@ def answer(case, results) -> Answer:
     lines |= {"periodicity": _settled(results), "run": _computed(results.whole)}
     lines["checks"] = _counted(judged)
     text = uncertainty_text(table, results.summary or {})
-    return Answer({name: said for name, said in lines.items() if said}, judged, table, text)
+    return Answer({name: words for name, words in lines.items() if words}, judged, table, text)
 
 
 def headlines(table: Measures) -> dict[str, str]:
@@ -74,9 +74,9 @@ def headlines(table: Measures) -> dict[str, str]:
                 one for one in table.all if one.owner == owner and one.key.startswith(tuple(keys))
             ]
             alone = len(owners[kind]) == 1
-            said = in_one_unit(known) if between == RANGE else between.join(m.text for m in known)
-            lines[name if alone else f"{name}, {owner}"] = said
-    return {name: said for name, said in lines.items() if said}
+            text = in_one_unit(known) if between == RANGE else between.join(m.text for m in known)
+            lines[name if alone else f"{name}, {owner}"] = text
+    return {name: words for name, words in lines.items() if words}
 
 
 def in_one_unit(known: list[Measure]) -> str:
@@ -143,20 +143,20 @@ def failed_checks(checks: list[Verdict]) -> list[str]:
 def uncertainty_text(table: Measures, summary: dict) -> str:
     """Return sentences about the uncertainties of a run, "" if it has none."""
     known = [one for one in table.estimated if one.uncertainty.value is not None]
-    said = []
+    sentences = []
     if known:
         computed = any(name.startswith("uncertainty_grid_") for name in summary)
-        how = "from a second grid and doubled steps" if computed else "estimates from this run"
+        source = "from a second grid and doubled steps" if computed else "estimates from this run"
         parts = Counter(one.uncertainty.contributor for one in known)
         cause, count = parts.most_common(1)[0]
         largest = f"The largest part of {count} of {len(known)} is that of the {cause}."
-        said = [f"Uncertainties are {how}. {largest}"]
-    said += unknown_in_words(table.estimated)
+        sentences = [f"Uncertainties are {source}. {largest}"]
+    sentences += unknown_in_words(table.estimated)
     if own_grids := summary.get("uncertainty_kept"):
-        said.append(f"These participants keep their grid: {own_grids}.")
+        sentences.append(f"These participants keep their grid: {own_grids}.")
     if why := summary.get("uncertainty_reason"):
-        said.append(f"A second grid with doubled steps is not possible: {why}.")
-    return " ".join(said)
+        sentences.append(f"A second grid with doubled steps is not possible: {why}.")
+    return " ".join(sentences)
 
 
 def _own_summary(case, results):

@@ -19,7 +19,7 @@ from ..fmi.quantities import are_compatible, numbers_text, quantity
 from .measures import LEAST_SHARE, Measure, Measures, unknown_in_words
 from .uncertainty import DIVERGES, display_unit
 
-SHARED = 0.2
+LEAST_REMAINING_SHARE = 0.2
 """Smallest part of the uncertainties of two figures that remains in their difference, an
 assumption: errors of two runs on equal grids are similar, and not equal."""
 BETTER = {
@@ -117,8 +117,8 @@ def compared(
     main = [row for row in main if not row.is_zero]
     unequal = unequal_lengths(changes, tables)
     main = [row._replace(better=0) for row in main] if unequal else main
-    said = " ".join(filter(None, [headline(changes, main), unequal]))
-    return Compared(said, changes, rows, remarks)
+    text = " ".join(filter(None, [headline(changes, main), unequal]))
+    return Compared(text, changes, rows, remarks)
 
 
 def unequal_lengths(names: Sequence[str], tables: Sequence[Measures]) -> str:
@@ -151,7 +151,7 @@ def spread(one: Measure, other: Measure, alike: bool) -> float | None:
         a, b = (each.parts.get(cause, 0.0) for each in pair)
         both = hypot(a, b)
         signed = alike and all(each.signed for each in pair) and cause in ("grid", "step")
-        spreads.append(max(abs(a - b), SHARED * both) if signed else both)
+        spreads.append(max(abs(a - b), LEAST_REMAINING_SHARE * both) if signed else both)
     return hypot(*spreads)  # Eq. (X53)
 
 
@@ -255,14 +255,14 @@ def _shown(key, known):
 
 def headline(names: Sequence[str], rows: list[Difference]) -> str:
     """Return sentences about two runs: what differs, what that changes, and which is better."""
-    said = [changes(names, rows)]
+    sentences = [changes(names, rows)]
     for text in dict.fromkeys(row.text for row in rows if not row.size):
         own = ", ".join(row.label for row in rows if row.text == text)
-        said.append(f"{text[0].upper()}{text[1:]}: {own}.")
+        sentences.append(f"{text[0].upper()}{text[1:]}: {own}.")
     for name, sign in zip(names, (1, -1)):
         if own := [row.label for row in rows if row.better == sign]:
-            said.append(f"Better with {name}: {', '.join(own)}.")
-    return " ".join(said)
+            sentences.append(f"Better with {name}: {', '.join(own)}.")
+    return " ".join(sentences)
 
 
 def changes(names: Sequence[str], rows: list[Difference]) -> str:
@@ -272,16 +272,16 @@ def changes(names: Sequence[str], rows: list[Difference]) -> str:
     begin = first if is_file else f"{first[0].upper()}{first[1:]}"
     if not rows:
         return f"{begin} and {second} have no main result in common."
-    subject, said = f"{begin} instead of {second}", []
+    subject, clauses = f"{begin} instead of {second}", []
     for verb, sign in (("raises", 1), ("lowers", -1)):
         known = [row for row in rows if row.size * sign > 0]
         own = [f"the {row.label} by {row.text.lstrip('+-')}" for row in known]
         while own:
             fits = [f"{subject} {verb} {listed(own[: k + 1])}." for k in range(len(own))]
             count = max(1, sum(_words(text) <= MOST_WORDS for text in fits))
-            said.append(fits[count - 1])
+            clauses.append(fits[count - 1])
             own, subject = own[count:], "It"
-    return " ".join(said) or f"{subject} makes no clear difference."
+    return " ".join(clauses) or f"{subject} makes no clear difference."
 
 
 def _words(text):

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..results.file import Results
 
-LEAST = 0.1
+LEAST_PROMINENCE = 0.1
 """Minimum prominence of an energy peak that counts, relative to the largest energy [-]."""
 
 
@@ -83,7 +83,7 @@ def prominent_peaks(values: np.ndarray, prominence: float) -> list[int]:
 
 def losses(energy: np.ndarray) -> list[tuple[int, float]]:
     """Return the row of each peak of the kinetic energy, and the loss after it, Eq. (X23)."""
-    peaks = prominent_peaks(energy, LEAST * energy.max(initial=0.0))
+    peaks = prominent_peaks(energy, LEAST_PROMINENCE * energy.max(initial=0.0))
     ends = [*peaks[1:], len(energy)]
     # Eq. (X23)
     return [(row, float(energy[row] - energy[row:end].min())) for row, end in zip(peaks, ends)]

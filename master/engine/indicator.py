@@ -30,22 +30,22 @@ from .impacts import losses
 from .peaks import peak_width
 from .places import film_body, gap_port, parameter
 
-NEAR = 1e-6
+ROW_TOLERANCE = 1e-6
 """Share of a period by which a row may miss its beginning due to round-off."""
-SPAN = 4
+STEPS_NEAR_EXTREME = 4
 """Macro steps on both sides of an extreme whose local errors count."""
-FILM, PRESSURE, MOST = 0.3, 0.12, 8.0
+FILM_FACTOR, PRESSURE_FACTOR, MOST_STEEPNESS = 0.3, 0.12, 8.0
 """Factors of Eq. (X49)."""
-NARROW = 2
+NARROW_PEAK = 2
 """Cells of a pressure peak at half its height up to which it does not converge: its height is that
 of the cell, not of the peak."""
-FRICTION = 1.0
+FRICTION_FACTOR = 1.0
 """Relative uncertainty of friction over the change of its sum if every second cell is left out."""
-OIL = 4.0
+OIL_FACTOR = 4.0
 """Relative uncertainty of the oil throughput times the number of cells of the film."""
-SIDE = 0.8
+SIDE_FACTOR = 0.8
 """Uncertainty of the side force over its difference from the demand of gas and inertia."""
-SLAP = 5.0
+SLAP_FACTOR = 5.0
 """Relative uncertainty of the slap energy over sum of (1/n^2), n the cells that carry the load."""
 
 
@@ -130,7 +130,7 @@ class Resolution(NamedTuple):
     length : float
         Length of the skirt [m].
     narrow : bool
-        Whether the pressure peak has at most `NARROW` cells.
+        Whether the pressure peak has at most `NARROW_PEAK` cells.
     """
 
     thickness: float
@@ -157,8 +157,8 @@ def resolution(
     pressure, gap = (results.dataset(port)[:] for port in ports)
     if pressure.shape != gap.shape or not pressure.max() > 0.0:
         return None
-    there = results.there(ports[1])
-    gap = gap if there is None else np.where(there, gap, np.inf)
+    exists = results.existing_cells(ports[1])
+    gap = gap if exists is None else np.where(exists, gap, np.inf)
     low = np.unravel_index(gap.argmin(), gap.shape)
     if cell_of_film is not None:
         low = (gap[(slice(None), *cell_of_film)].argmin(), *cell_of_film)
@@ -169,18 +169,18 @@ def resolution(
         return None
     bend = sum(max(np.mean(near) / thickness - 1.0, 0.0) for near in neighbours(gap, low))
     steep = sum(
-        np.mean([min(top / max(value, 1e-9 * top) - 1.0, MOST) for value in near])
+        np.mean([min(top / max(value, 1e-9 * top) - 1.0, MOST_STEEPNESS) for value in near])
         for near in neighbours(pressure, high)
     )
     return Resolution(
         thickness=thickness,
-        film=FILM * float(bend) * thickness,
-        pressure=PRESSURE * float(min(steep, MOST)),  # Eq. (X49)
+        film=FILM_FACTOR * float(bend) * thickness,
+        pressure=PRESSURE_FACTOR * float(min(steep, MOST_STEEPNESS)),  # Eq. (X49)
         load=carrying(pressure),
         shear=thinned(sheared(results, film, gap)),
         cells=pressure[0].size,
         length=length,
-        narrow=min(peak_width(pressure[instant], cell)) <= NARROW,
+        narrow=min(peak_width(pressure[instant], cell)) <= NARROW_PEAK,
     )
 
 
@@ -235,13 +235,13 @@ Rule = Callable[[float, Resolution], float]
 GRID: dict[str, Rule] = {
     "minimum_film_thickness_m": lambda value, film: film.film,
     "maximum_pressure_pa": lambda value, film: value * film.pressure,
-    "mean_friction_power_w": lambda value, film: value * FRICTION * film.shear,
-    "friction_mean_effective_pressure_pa": lambda value, film: value * FRICTION * film.shear,
+    "mean_friction_power_w": lambda value, film: value * FRICTION_FACTOR * film.shear,
+    "friction_mean_effective_pressure_pa": lambda value, film: value * FRICTION_FACTOR * film.shear,
     "contact_share": lambda value, film: value * 3.0 * film.film / film.thickness,
     "contact_area": lambda value, film: value * 3.0 * film.film / film.thickness,
-    "oil_throughput_m3": lambda value, film: value * OIL / film.cells,
-    "side_force_n": lambda value, film: value * SIDE,
-    "slap_energy_j": lambda value, film: value * SLAP * film.load,
+    "oil_throughput_m3": lambda value, film: value * OIL_FACTOR / film.cells,
+    "side_force_n": lambda value, film: value * SIDE_FACTOR,
+    "slap_energy_j": lambda value, film: value * SLAP_FACTOR * film.load,
     "range_lateral_displacement_m": lambda value, film: film.film,
     "minimum_lateral_displacement_m": lambda value, film: film.film / 2.0,
     "maximum_lateral_displacement_m": lambda value, film: film.film / 2.0,
@@ -260,7 +260,7 @@ class Indicator:
     Parameters
     ----------
     results : Results
-        Of the last period.
+        Results of the last period.
     films : list of str
     cells : dict of str to (int, int), optional
         Cell with the thinnest film, by film.
@@ -315,7 +315,10 @@ class Indicator:
         figure = course.reduce(rows, values)
         local = np.abs(bdf2_error(rows, values))
         if measure.row is not None:
-            at = max(0, measure.row - 3 - SPAN), max(1, measure.row - 2 + SPAN)
+            at = (
+                max(0, measure.row - 3 - STEPS_NEAR_EXTREME),
+                max(1, measure.row - 2 + STEPS_NEAR_EXTREME),
+            )
             spread = float(local[slice(*at)].max(initial=0.0))
         else:
             spread = 0.0
@@ -332,9 +335,9 @@ class Indicator:
         """Return the first row of the previous period, None if it is not whole."""
         length = self.results.period
         begin = rows[0] - length
-        if not length or begin < self.time[0] - NEAR * length:
+        if not length or begin < self.time[0] - ROW_TOLERANCE * length:
             return None
-        return int(np.searchsorted(self.time, begin - NEAR * length))
+        return int(np.searchsorted(self.time, begin - ROW_TOLERANCE * length))
 
 
 def reason(results: Results, films: list[str]) -> str:

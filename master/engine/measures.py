@@ -30,13 +30,13 @@ from .indicator import (
     reason,
 )
 from .oil_balance import oil_balance
-from .peaks import ABOVE, BESIDE, side_peaks
+from .peaks import LEAST_DISTANCE, LEAST_EXCESS, side_peaks
 from .places import CellPosition, highest_position, thinnest_position
 from .uncertainty import (
     CAUSES,
     DIVERGES,
     EXACT,
-    LUCK,
+    LEAST_PART,
     UNKNOWN,
     Uncertainty,
     at_least,
@@ -52,8 +52,8 @@ DESIGN = {
     "largest_rocking_angle_rad": "lower",
     "contact_share": "lower",
 }
-"""Measures of a design and where it wants them; each name ends with its unit."""
-TRACE = 1e-6
+"""Measures of a design -> whether lower or higher values are better. A name ends with the unit."""
+NEGLIGIBLE_CONTACT = 1e-6
 """Share up to which contact counts as none."""
 LEAST_SHARE = 5e-5
 """Uncertainty of a share below which the share is displayed alone: half of its last digit."""
@@ -210,7 +210,7 @@ def _estimated(measure: Measure, indicator: Indicator, results: Results, films) 
         return replace(measure, uncertainty=Uncertainty(None, "grid", DIVERGES))
     summary, parts = results.summary or {}, indicator.parts(measure)
     known = {
-        cause: at_least(summary[name], LUCK * parts.get(cause, 0.0))
+        cause: at_least(summary[name], LEAST_PART * parts.get(cause, 0.0))
         for cause in CAUSES
         if (name := entry_of(cause, measure.name)) in summary
     }
@@ -293,7 +293,7 @@ def _of_film(run: _Run, film: str) -> Iterator[Measure]:
         dry = area is not None and not area.max() > 0.0
         note, shown = ("", NO_CONTACT) if dry else ("of the friction work", "")
         label = "contact share"
-        share = share if share > TRACE else 0.0
+        share = share if share > NEGLIGIBLE_CONTACT else 0.0
         yield Measure("contact_share", label, share, "1", film, note=note, shown=shown)
     if area is not None and area.max() > 0.0:
         what = "skirt" if run.values(film, "friction_torque") is None else "bearing"
@@ -336,9 +336,11 @@ def _peaks(run, film) -> Iterator[Measure]:
     axis = run.case.axes_of(port).first
     for peak in side_peaks(axis, run.results.dataset(port)[:]):
         shown = f"on the {peak.side} line"
-        if peak.distance >= BESIDE:
+        if peak.distance >= LEAST_DISTANCE:
             shown = f"{peak.distance:.0f} {axis.unit} from the {peak.side} line"
-            excess, above, share = (f"{100 * x:.0f} %" for x in (peak.excess, ABOVE, peak.share))
+            excess, above, share = (
+                f"{100 * x:.0f} %" for x in (peak.excess, LEAST_EXCESS, peak.share)
+            )
             shown += (
                 f", {excess} higher than on it (at least {above} in {share} of loaded instants)"
             )

@@ -23,7 +23,7 @@ from ..fmi.errors import BadInput
 from ..fmi.quantities import from_si, registry, to_si
 from ..fmi.tree import import_part
 
-STEEL = 7850.0
+STEEL_DENSITY = 7850.0
 """Density of the pin [kg/m3]."""
 EXPONENT = 1.33
 """Polytropic exponent of compression and expansion."""
@@ -46,13 +46,13 @@ PETROL = Combustion(-8.0, 60.0, 9.3)
 DIESEL = Combustion(-4.0, 70.0, 6.4)
 """Our own choice: a lean charge, 1.45 times the air of petrol. A compression ratio of 17 and a
 charge of 2 bar give about 13 MPa."""
-CELLS, LEAST, MOST = 57.0, 40, 192
+CELL_FACTOR, LEAST_CELLS, MOST_CELLS = 57.0, 40, 192
 """Factor of Eq. (D51) and its bounds [cells]: our own choice, see `Engine.cells_around`.
 Native films have at most 192 cells around.
 """
-FLEXIBLE = 64
+FLEXIBLE_CELLS = 64
 """Number of cells around a flexible skirt, whose pressure peak is wide: our own choice."""
-OPEN = 20.0
+OPENING_ANGLE = 20.0
 """Crank angle in which the pressure approaches its new value to 1/e after a valve opens [deg]."""
 MESHES = "fmu_mfbd.finite_elements.mesh"
 """Module that reads meshes, called by name because this package does not import bodies."""
@@ -125,7 +125,7 @@ def _rule(name: str, row: Mapping[str, Any]) -> Callable[[Mapping[str, float]], 
 
 RULES: dict[str, Callable[[Mapping[str, float]], float]] = {
     "pin_mass": lambda s: (
-        STEEL * pi / 4 * s["pin_diameter"] ** 2 * (1 - 0.55**2) * 0.75 * s["bore"]
+        STEEL_DENSITY * pi / 4 * s["pin_diameter"] ** 2 * (1 - 0.55**2) * 0.75 * s["bore"]
     ),
     "intake_pressure": lambda s: BOOST if s["compression"] >= LEAST_DIESEL else AMBIENT,
     "ovality": lambda s: s["bore"] * (1.5e-3 if s["compression"] >= LEAST_DIESEL else 2e-3),
@@ -252,8 +252,10 @@ class Engine:
         polytrope = intake * (
             self.volume_ratio(degrees) ** -EXPONENT * (1.0 + gain * burnt) - 1.0
         )  # Eq. (D12)
-        filling = charge * -np.expm1(-np.clip(degrees + 360.0, 0.0, None) / OPEN)
-        left = (intake * gain + charge) * np.exp(-np.clip(degrees - 180.0, 0.0, None) / OPEN)
+        filling = charge * -np.expm1(-np.clip(degrees + 360.0, 0.0, None) / OPENING_ANGLE)
+        left = (intake * gain + charge) * np.exp(
+            -np.clip(degrees - 180.0, 0.0, None) / OPENING_ANGLE
+        )
         closed = np.abs(degrees) < 180.0
         return np.where(closed, polytrope + charge, np.where(degrees >= 180.0, left, filling))
 
@@ -282,8 +284,8 @@ class Engine:
         length, c = self["skirt_below"] + self["skirt_above"], self["clearance"]
         lift = self["viscosity"] * self["speed"] * self.crank_radius * length**2 * self.skirt_radius
         load = self.largest_side_force * (self["barrel"] + c) * (self["ovality"] / 2 + c)
-        cells = CELLS * (lift / load) ** -0.5  # Eq. (D51)
-        return int(np.clip(8 * np.ceil(cells / 8), LEAST, MOST))
+        cells = CELL_FACTOR * (lift / load) ** -0.5  # Eq. (D51)
+        return int(np.clip(8 * np.ceil(cells / 8), LEAST_CELLS, MOST_CELLS))
 
     def volume_ratio(self, degrees: np.ndarray) -> np.ndarray:
         """Return the cylinder volume relative to bottom dead centre, without offsets."""
@@ -324,12 +326,12 @@ def engine(
     """
     faults: list[str] = []
     sizes: dict[str, float] = {}
-    said = {name: value for name, value in texts.items() if value is not None}
+    given_sizes = {name: value for name, value in texts.items() if value is not None}
     for name, size in SIZES.items():
         option = option_of(name)
-        if name in said:
+        if name in given_sizes:
             try:
-                sizes[name] = size.read(name, said[name])
+                sizes[name] = size.read(name, given_sizes[name])
             except ValueError as error:
                 faults.append(str(error))
                 sizes[name] = size.low
@@ -338,7 +340,7 @@ def engine(
             sizes[name] = size.low
         else:
             sizes[name] = size.rule(sizes)
-    if motored and "intake_pressure" not in said:
+    if motored and "intake_pressure" not in given_sizes:
         sizes["intake_pressure"] = AMBIENT
     limit = None
     if peak is not None:
@@ -346,15 +348,15 @@ def engine(
             limit = Size("bar", 1e4, 5e7, "").read("peak_pressure", peak)
         except ValueError as error:
             faults.append(str(error))
-    made = Engine(sizes, frozenset(said), limit, motored)
+    new_engine = Engine(sizes, frozenset(given_sizes), limit, motored)
     if not faults:
-        faults = _contradictions(made)
+        faults = _contradictions(new_engine)
     if faults:
         raise BadInput(faults)
-    return made
+    return new_engine
 
 
-UNUSUAL = 6.0
+UNUSUAL_FACTOR = 6.0
 """Factor between a size and its estimate that hints at a wrong unit: our own choice."""
 USUAL_ROD = 1.7
 """Length of the rod in strokes."""
@@ -371,8 +373,8 @@ def unusual(engine: Engine) -> list[str]:
     for name in sorted(engine.stated & rules.keys()):
         value, estimate, unit = engine[name], rules[name](engine.sizes), SIZES[name].unit
         scales = rules[name](larger) != estimate
-        is_low = value < estimate / UNUSUAL and name not in MAY_BE_SMALL
-        if scales and (value > UNUSUAL * estimate or is_low):
+        is_low = value < estimate / UNUSUAL_FACTOR and name not in MAY_BE_SMALL
+        if scales and (value > UNUSUAL_FACTOR * estimate or is_low):
             out.append(
                 f"{option_of(name)} = {_in(value, unit)} {unit}: our estimate is "
                 f"{_in(estimate, unit)} {unit}; check its unit"
@@ -512,5 +514,5 @@ def _text(engine: Engine, name: str, mesh: str | None = None, mesh_unit: str = "
         gas=dict(exponent=EXPONENT, burn=engine.combustion, gain=f"{engine.gain:.4g}"),
         mesh=mesh,
         mesh_unit=mesh_unit,
-        around=FLEXIBLE if mesh else engine.cells_around,
+        around=FLEXIBLE_CELLS if mesh else engine.cells_around,
     )

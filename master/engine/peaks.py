@@ -5,12 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-LOADED = 0.5
+LOADED_SHARE = 0.5
 """Fraction of a side's maximum pressure below which instants are ignored, an assumption."""
-BESIDE = 15.0
+LEAST_DISTANCE = 15.0
 """Minimum distance [deg] of a peak that is not on the thrust line, an assumption. It exceeds one
 cell of the coarsest usual grid (24 cells around)."""
-ABOVE = 0.15
+LEAST_EXCESS = 0.15
 """Minimum excess of a peak over the pressure on the thrust line [-], an assumption."""
 
 
@@ -26,7 +26,8 @@ class SidePeak(NamedTuple):
     excess : float
         Relative excess of that pressure over the highest one on the line at that instant [-].
     share : float
-        Fraction of the loaded instants whose peak is off the line and exceeds it by `ABOVE` [-].
+        Fraction of the loaded instants whose peak is off the line and exceeds the pressure there by
+        `LEAST_EXCESS` [-].
     instants : int
         Number of loaded instants.
     """
@@ -80,8 +81,8 @@ def _side_peak(side, distance, around):
     on_line = around[:, distance <= distance.min() + 1e-6].max(axis=1)
     excess = highest / np.maximum(on_line, 1e-12 * highest.max()) - 1.0  # Eq. (X18)
     off = distance[around.argmax(axis=1)]
-    loaded = highest >= LOADED * highest.max()
-    counted = (off >= BESIDE) & (excess >= ABOVE)
+    loaded = highest >= LOADED_SHARE * highest.max()
+    counted = (off >= LEAST_DISTANCE) & (excess >= LEAST_EXCESS)
     top = int(highest.argmax())
     return SidePeak(
         side,

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from ...models.meshes import Piston
 
 Kind = Literal["slipper", "full"]
-SIZE = 0.065
+ELEMENT_SIZE = 0.065
 """Largest edge of an element, relative to the bore."""
-TURN = 12
+ELEMENTS_AROUND = 12
 """Minimum number of elements around a full circle."""
 MM = 1e3
 
@@ -50,14 +50,14 @@ def mesh_of_sizes(made: Engine, kind: Kind, target: Path) -> None:
             "or give --mesh or --piston data-sheet"
         ) from None
     target.parent.mkdir(parents=True, exist_ok=True)
-    make(target, shape(made, kind), SIZE * MM * made["bore"], TURN)
+    make(target, shape(made, kind), ELEMENT_SIZE * MM * made["bore"], ELEMENTS_AROUND)
 
 
 def contradictions(made: Engine) -> list[str]:
     """Return why the sizes make no such piston."""
     faults = []
     crown, pin = made["compression_height"], made["pin_diameter"] / 2
-    lowest = BOSS * pin + CROWN * made["bore"]
+    lowest = BOSS_RADIUS * pin + CROWN_THICKNESS * made["bore"]
     if crown < lowest:
         faults.append(
             f"--compression-height: expected at least {MM * lowest:.4g} mm for pin boss and crown, "
@@ -70,7 +70,7 @@ def contradictions(made: Engine) -> list[str]:
         )
     if made["skirt_above"] <= 0.0:
         faults.append("--skirt-above: expected a skirt above the pin axis, got 0 mm")
-    belt = MM * (crown - CROWN * made["bore"] - made["skirt_above"])
+    belt = MM * (crown - CROWN_THICKNESS * made["bore"] - made["skirt_above"])
     if belt <= 0.0:
         faults.append(
             f"--skirt-above: expected less than {MM * made['skirt_above'] + belt:.4g} mm below a "
@@ -79,9 +79,9 @@ def contradictions(made: Engine) -> list[str]:
     return faults
 
 
-BOSS = 1.55
+BOSS_RADIUS = 1.55
 """Outer radius of a pin boss, relative to the pin's."""
-CROWN = 0.085
+CROWN_THICKNESS = 0.085
 """Thickness of the crown, relative to the bore."""
 LARGEST_PIN = 0.16
 """Largest radius of the pin relative to the bore, so that boss and walls fit."""
@@ -98,7 +98,7 @@ def shape(made: Engine, kind: Kind) -> "Piston":
     bore = MM * made["bore"]
     radius = MM * made.skirt_radius
     pin = MM * made["pin_diameter"] / 2
-    boss = BOSS * pin
+    boss = BOSS_RADIUS * pin
     slipper = kind == "slipper"
     wall = bore * (DIESEL_WALL if slipper and made.diesel else 1.0)
     return Piston(
@@ -106,7 +106,7 @@ def shape(made: Engine, kind: Kind) -> "Piston":
         land_radius=radius - 0.003 * bore,
         skirt=(-MM * made["skirt_below"], MM * made["skirt_above"]),
         top=MM * made["compression_height"],
-        crown=CROWN * bore,
+        crown=CROWN_THICKNESS * bore,
         skirt_inside=(radius - 0.032 * wall, radius - 0.042 * wall),
         belt_inside=radius - 0.09 * bore,
         pin=pin,
@@ -117,7 +117,7 @@ def shape(made: Engine, kind: Kind) -> "Piston":
         pillar_from=0.19 * bore,
         pillar_length=0.5 * bore,
         reach=radius - 0.02 * bore,
-        root=0.6 * CROWN * bore,
+        root=0.6 * CROWN_THICKNESS * bore,
         box_wall=(0.045 * bore, 0.3 * bore) if slipper else None,
         cut_beyond=0.36 * bore if slipper else None,
     )

@@ -67,8 +67,8 @@ def film_surface(results, film) -> str:
 
 def parameter(results, owner, name: str, unit: str) -> float:
     """Return a parameter of a participant in the SI `unit`; 0 if the case does not set it."""
-    given = results.case["participants"].get(owner, {}).get("parameters", {})
-    return to_si(given[name], unit) if name in given else 0.0
+    parameters = results.case["participants"].get(owner, {}).get("parameters", {})
+    return to_si(parameters[name], unit) if name in parameters else 0.0
 
 
 def _extreme_position(case, results, film, port, extreme):
@@ -82,8 +82,10 @@ def _extreme_position(case, results, film, port, extreme):
     if envelope is None or f"{film}.{extreme}" not in results.ports:
         return None
     values = results.series(f"{film}.{extreme}").values
-    wanted = values.min() if envelope.kind == "min" else values.max()
-    index = np.unravel_index(np.abs(envelope.values - wanted).argmin(), envelope.values.shape)
+    extreme_value = values.min() if envelope.kind == "min" else values.max()
+    index = np.unravel_index(
+        np.abs(envelope.values - extreme_value).argmin(), envelope.values.shape
+    )
     return _cell_position(case.axes_of(f"{film}.pressure"), index, envelope.values.shape)
 
 

@@ -165,11 +165,11 @@ def _named(section, name, runs, bodies, body):
     title = f"{section.title}: {name}"
     if body == bodies[0]:
         return replace(section, title=title)
-    said = f"The crank angle is that of {bodies[0]}, the strokes are those of {body}."
+    text = f"The crank angle is that of {bodies[0]}, the strokes are those of {body}."
     own = own_strokes(runs, body)
     if own is None:
-        said = f"The crank angle is that of {bodies[0]}; runs differ by the strokes of {body}."
-    return replace(section, title=title, said=said, phases=own or ())
+        text = f"The crank angle is that of {bodies[0]}; runs differ by the strokes of {body}."
+    return replace(section, title=title, text=text, phases=own or ())
 
 
 def _of_film(case, runs, body, film) -> list[Section]:
@@ -302,7 +302,7 @@ def _charts(runs: Runs, *sections: str, **names: str) -> list[Chart]:
 
 def _curves(runs: Runs, lines: dict[str, str], unit: str) -> list[Curve]:
     """Return a curve for each run and port that is not zero in all runs."""
-    wanted = None if unit == "-" else unit
+    target_unit = None if unit == "-" else unit
     known = [(results, {*results.ports}) for results in runs.values()]
     drawn: list[tuple[Dash, str, str]] = [
         (dash, name, port)
@@ -313,10 +313,10 @@ def _curves(runs: Runs, lines: dict[str, str], unit: str) -> list[Curve]:
     for k, (label, (results, ports)) in enumerate(zip(runs, known)):
         for dash, name, port in drawn:
             if port in ports:
-                told = label if len(lines) == 1 else f"{label}, {name}"
+                title = label if len(lines) == 1 else f"{label}, {name}"
                 series = results.series(port)
-                shown, _ = scaled(series.values, series.unit, wanted)
-                curves.append(Curve(told, k, _degrees(results), shown, dash))
+                shown, _ = scaled(series.values, series.unit, target_unit)
+                curves.append(Curve(title, k, _degrees(results), shown, dash))
     return curves
 
 
@@ -421,8 +421,8 @@ def _place_of_thinnest(case, runs, port) -> list[Drawn]:
     def positions(k, axis, results):
         if port not in results.recorded:
             return None
-        values, there = results.dataset(port)[:], results.there(port)
-        values = values if there is None else np.where(there, values, np.inf)
+        values, exists = results.dataset(port)[:], results.existing_cells(port)
+        values = values if exists is None else np.where(exists, values, np.inf)
         flat = values.reshape(len(values), -1).argmin(axis=1)
         cells = np.unravel_index(flat, values.shape[1:])[k]
         at = np.interp(results.instants, results.time, _degrees(results))
@@ -431,9 +431,9 @@ def _place_of_thinnest(case, runs, port) -> list[Drawn]:
     drawn = []
     for k, axis in enumerate((axes.first, axes.second)):
         title = f"Position of the minimum film thickness: {axis.label}"
-        how = dict(cursor=True, around=axis.centred is not None)
+        options = dict(cursor=True, around=axis.centred is not None)
         of_axis = partial(positions, k, axis)
-        drawn += _points(runs, of_axis, title, CRANK, f"[{axis.unit or '-'}]", **how)
+        drawn += _points(runs, of_axis, title, CRANK, f"[{axis.unit or '-'}]", **options)
     return drawn
 
 
@@ -448,11 +448,11 @@ def _envelopes(case, runs, film, gap):
         known = [results.envelope(port) for results in runs.values()]
         fields = [None if one is None else scaled(one.values, one.unit, unit)[0] for one in known]
         if any(np.any(values) for values in fields if values is not None):
-            there = [one and results.there(port) for one, results in zip(known, runs.values())]
-            drawn.append(StillMap(title, unit, case.axes_of(port), fields, there))
+            cells = [one and run.existing_cells(port) for one, run in zip(known, runs.values())]
+            drawn.append(StillMap(title, unit, case.axes_of(port), fields, cells))
     pressures = {label: results.envelope(f"{film}.pressure") for label, results in runs.items()}
     sparse = [label for label, one in pressures.items() if one and not one.every_step]
-    said = "The envelopes hold every accepted macro step of the last period."
+    text = "The envelopes hold every accepted macro step of the last period."
     if sparse:
-        said += f" The envelopes of {', '.join(sparse)} hold recorded instants only."
-    return Section("Envelopes", drawn, said)
+        text += f" The envelopes of {', '.join(sparse)} hold recorded instants only."
+    return Section("Envelopes", drawn, text)

@@ -11,7 +11,7 @@ from ..fmi.quantities import to_si
 from ..results.file import Results
 from ..results.solids import Solid, Stand
 
-APART = 1.5
+CYLINDER_DISTANCE = 1.5
 """Distance of cylinders with unknown positions, in diameters."""
 
 
@@ -47,7 +47,7 @@ def side_by_side(solids: Sequence[Solid]) -> list[Solid]:
     """Return the bodies of cylinders with unknown positions next to each other."""
     owners = list(dict.fromkeys(solid.owner for solid in solids))
     reach = max((float(np.abs(solid.points[:, [0, 2]]).max()) for solid in solids), default=0.0)
-    step = APART * 2 * reach
+    step = CYLINDER_DISTANCE * 2 * reach
     return [
         replace(solid, stand=Stand(step * (owners.index(solid.owner) - (len(owners) - 1) / 2)))
         for solid in solids

@@ -8,13 +8,13 @@ import numpy as np
 
 from ..fmi.errors import BadInput
 
-ALIKE = 3e-3
+RADIUS_TOLERANCE = 3e-3
 """Relative tolerance of the largest radius: it includes the faces of the skirt, not ring lands."""
-STRAIGHT = 1e-3
+NORMAL_TOLERANCE = 1e-3
 """Component of a unit normal that counts as zero."""
-SIZE = 0.06
+ELEMENT_SIZE = 0.06
 """Largest edge of an element, relative to the bore's diameter."""
-TURN = 12
+ELEMENTS_AROUND = 12
 """Minimum number of elements around a full circle."""
 
 
@@ -94,8 +94,8 @@ def _mesh(gmsh: ModuleType, step: Path, bore: float) -> None:
     gmsh.model.addPhysicalGroup(3, solids, name="all")
     for name, tags in surfaces.items():
         gmsh.model.addPhysicalGroup(2, tags, name=name)
-    gmsh.option.setNumber("Mesh.MeshSizeMax", SIZE * bore)
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", TURN)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", ELEMENT_SIZE * bore)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", ELEMENTS_AROUND)
     gmsh.model.mesh.generate(3)
     gmsh.model.mesh.setOrder(2)
     gmsh.model.mesh.optimize("HighOrder")
@@ -117,7 +117,7 @@ def _skirt(faces: list[Face]) -> list[int]:
     """Return the cylinders about y with the largest radius."""
     about = _cylinders(faces, 1)
     largest = max((one.radius for one in about), default=0.0)
-    return [one.tag for one in about if one.radius > (1 - ALIKE) * largest]
+    return [one.tag for one in about if one.radius > (1 - RADIUS_TOLERANCE) * largest]
 
 
 def _cylinders(faces: list[Face], axis: int) -> list[Face]:
@@ -126,8 +126,8 @@ def _cylinders(faces: list[Face], axis: int) -> list[Face]:
         one
         for one in faces
         if one.shape == "Cylinder"
-        and np.abs(one.normals[:, axis]).max() < STRAIGHT
-        and np.ptp(np.hypot(*np.delete(one.points, axis, axis=1).T)) < ALIKE * one.radius
+        and np.abs(one.normals[:, axis]).max() < NORMAL_TOLERANCE
+        and np.ptp(np.hypot(*np.delete(one.points, axis, axis=1).T)) < RADIUS_TOLERANCE * one.radius
     ]
 
 
@@ -136,7 +136,7 @@ def _crown(faces: list[Face]) -> list[int]:
     across = [
         one
         for one in faces
-        if one.shape == "Plane" and np.abs(one.normals[:, 1]).min() > 1 - STRAIGHT
+        if one.shape == "Plane" and np.abs(one.normals[:, 1]).min() > 1 - NORMAL_TOLERANCE
     ]
     top = max((one.points[:, 1].max() for one in across), default=0.0)
     return [one.tag for one in across if one.points[:, 1].min() > top - 1e-6]

@@ -23,7 +23,7 @@ CRANK = ("big_end", "main_bearing")
 """Films about the crank pin and about the crank's axis."""
 SIZES = "bore_radius", "skirt_length"
 """Parameters of a film that are sizes of its surface."""
-NEAR = 0.02
+RADIUS_TOLERANCE = 0.02
 """Relative tolerance of the radius for points of a boss's bore."""
 
 
@@ -97,7 +97,7 @@ def _along_pin(results, film, surface, piston, radius, length):
     begin = to_si(build.get("floating_pin", {}).get("small_end_length", "0 m"), "m") / 2
     if piston is not None and "rigid" not in build.get("piston", {}):
         x, y, z = piston.points.T
-        of_bore = (np.abs(np.hypot(x, y) - radius) < NEAR * radius) & (side * z > 0)
+        of_bore = (np.abs(np.hypot(x, y) - radius) < RADIUS_TOLERANCE * radius) & (side * z > 0)
         begin = float(np.abs(z[of_bore]).min()) if of_bore.any() else begin
     return tuple(sorted((side * begin, side * (begin + length))))
 

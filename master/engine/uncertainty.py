@@ -46,17 +46,17 @@ class Uncertainty:
 UNKNOWN = Uncertainty()
 EXACT = Uncertainty(0.0, "", "")
 """Uncertainty of contact and impacts that do not occur."""
-LUCK = 1.0 / 3.0
+LEAST_PART = 1.0 / 3.0
 """Smallest part of `run --uncertainty` over the estimate of the run alone, which is right within a
 factor of about 3: a difference of two runs may vanish by chance."""
-PART = "uncertainty_"
+PART_PREFIX = "uncertainty_"
 """Beginning of the summary entries of the parts of uncertainties."""
 CAUSES = ("grid", "step", "modes", "period")
 
 
 def entry_of(cause: str, name: str) -> str:
     """Return the summary entry of a part of the uncertainty of a measure."""
-    return f"{PART}{cause}_{name}"
+    return f"{PART_PREFIX}{cause}_{name}"
 
 
 def combined(parts: Mapping[str, float], signed: bool = False) -> Uncertainty:

@@ -17,18 +17,18 @@ from .places import film_body, parameter
 
 LAMBDA_AMBER, LAMBDA_RED = 3.0, 1.0
 """Minimum film thickness over composite roughness: asperities touch below 3 and carry below 1."""
-PRESSURE = 50e6, 100e6
+PRESSURE_LIMITS = 50e6, 100e6
 """Film pressure [Pa]: half and all of what a hot aluminium skirt withstands, an assumption."""
-TRUNCATION = 0.02, 0.1
+TRUNCATION_LIMITS = 0.02, 0.1
 """Truncation error over film thickness, whose cube is the film's conductance (decision 15)."""
-ODD_PART = TRUNCATION[0], TRUNCATION[0]
+ODD_PART = TRUNCATION_LIMITS[0], TRUNCATION_LIMITS[0]
 """Odd part of the film over film thickness, if modes assume a symmetric film."""
-WORK = 1e-3, 1e-2
+WORK_LIMITS = 1e-3, 1e-2
 """Relative difference of the interface work between both participants."""
 SPURIOUS_STEP = 0.05
 """Spurious energy of an accepted step over the energy exchanged in it: half the rejection limit."""
-SPURIOUS = 1e-3, 1e-2
-"""Spurious energy over the energy exchanged over the run, an assumption as for `WORK`."""
+SPURIOUS_LIMITS = 1e-3, 1e-2
+"""Spurious energy over the energy exchanged over the run, an assumption as for `WORK_LIMITS`."""
 SIDE_FORCE = 0.25, 0.75
 """Rms difference of side force and side-force demand over a period, relative to the rms demand."""
 PEAK_CELLS = 4, 2
@@ -37,10 +37,10 @@ parabola by up to 1/(2 n^2) of it, 3 % with 4 cells and 12 % with 2."""
 FULL_CELLS = 10
 """Minimum length of the full film along the axis in cells, where cavities limit it: a load on a
 thin layer is 2 % low with 12 cells (docs/measurements/limits.md)."""
-OPENING = 3
+LEAST_OPENING_CELLS = 3
 """Minimum width of an opening in cells, for which its edges are accurate to half of the width."""
-PLAY = 0.02, 0.1
-"""Estimated error in time of the play of a pin over its range, as for `TRUNCATION`."""
+PLAY_LIMITS = 0.02, 0.1
+"""Estimated error in time of the play of a pin over its range, as for `TRUNCATION_LIMITS`."""
 MEMORY_STEPS = 4
 """Steps whose local errors add up in a film: the largest error of `floating_pin` at 1 deg is 0.8 to
 3.7 of the largest local one (docs/measurements/floating_pin.md)."""
@@ -67,7 +67,7 @@ class Verdict(NamedTuple):
 
     colour: Colour
     what: str
-    said: str
+    text: str
 
     @property
     def outcome(self) -> str:
@@ -113,9 +113,9 @@ def _percent(share):
     return "<0.001 %" if 0.0 < share < LEAST_PERCENT else f"{100 * share:.2g} %"
 
 
-def _share(what, share, limits, said) -> Verdict:
-    """Return the check of a fraction; `said` has a place for it, and one for its limit."""
-    return Verdict(_colour(share, *limits), what, said.format(_percent(share), _percent(limits[0])))
+def _share(what, share, limits, text) -> Verdict:
+    """Return the check of a fraction; `text` has {} for it and for its limit."""
+    return Verdict(_colour(share, *limits), what, text.format(_percent(share), _percent(limits[0])))
 
 
 def _of_summary(summary):
@@ -125,12 +125,12 @@ def _of_summary(summary):
         steps = summary.get("steps", 0)
         unsettled = summary.get("unsettled_steps", 0)
         colour = "red" if count else "amber" if unsettled else "green"
-        said = f"{count} of {steps} macro steps did not converge."
-        said += f" {unsettled} held a discrete value that does not settle." if unsettled else ""
-        yield Verdict(colour, "convergence", said)
+        text = f"{count} of {steps} macro steps did not converge."
+        text += f" {unsettled} held a discrete value that does not settle." if unsettled else ""
+        yield Verdict(colour, "convergence", text)
     if "interface_work_imbalance" in summary:
-        said = "The interface work of both participants differs by {} (limit {})."
-        yield _share("interface work", abs(summary["interface_work_imbalance"]), WORK, said)
+        text = "The interface work of both participants differs by {} (limit {})."
+        yield _share("interface work", abs(summary["interface_work_imbalance"]), WORK_LIMITS, text)
     if "energy_refused_steps" in summary:
         yield _of_ledger(summary)
 
@@ -146,16 +146,17 @@ def _of_ledger(summary):
     share = max(summary["energy_created_share_max"], 0.0)
     taken = [value for key, value in summary.items() if key.startswith("energy_taken_")]
     whole = max(map(abs, taken), default=0.0)
-    made = sum(taken) / whole if whole > 0.0 else 0.0  # Eq. (X16)
-    colour = _colour(made, *SPURIOUS)
+    created = sum(taken) / whole if whole > 0.0 else 0.0  # Eq. (X16)
+    colour = _colour(created, *SPURIOUS_LIMITS)
     if colour == "green" and (count or share > SPURIOUS_STEP):
         colour = "amber"
     return Verdict(
         colour,
         "energy balance",
-        f"The spurious energy over the run is {_percent(max(made, 0.0))} of the energy exchanged "
-        f"(limit {_percent(SPURIOUS[0])}). In an accepted step it is at most {_percent(share)} "
-        f"(limit {_percent(SPURIOUS_STEP)}). The run rejected and halved {count} steps.",
+        f"The spurious energy over the run is {_percent(max(created, 0.0))} of the energy "
+        f"exchanged (limit {_percent(SPURIOUS_LIMITS[0])}). In an accepted step it is at most "
+        f"{_percent(share)} (limit {_percent(SPURIOUS_STEP)}). The run rejected and halved "
+        f"{count} steps.",
     )
 
 
@@ -183,23 +184,23 @@ def _of_truncation(summary):
         f"{_percent(summary[f'truncation_error_{body}'])} of the {body} deflection"
         for body in bodies
     )
-    said = "The truncation error of the modes is"
+    text = "The truncation error of the modes is"
     share = summary.get("truncation_error_film")
     if share is None:
         hint = "Record film_thickness of the bodies (record.fields) to compare it with the film"
-        yield Verdict("amber", "truncation", f"{said} {shares}. {hint} thickness.")
+        yield Verdict("amber", "truncation", f"{text} {shares}. {hint} thickness.")
         return
-    said += f" at most {{}} of the local film thickness (limit {{}}). It is {shares}."
-    if share > TRUNCATION[0]:
-        said += f" Increase {' and '.join(f'{one}.modes' for one in bodies)}."
+    text += f" at most {{}} of the local film thickness (limit {{}}). It is {shares}."
+    if share > TRUNCATION_LIMITS[0]:
+        text += f" Increase {' and '.join(f'{one}.modes' for one in bodies)}."
     if (edge := summary.get("truncation_error_edge")) is not None:
         narrow = "Under a narrow patch at an edge of the skirt"
-        said += f" {narrow}, the modes miss up to {_percent(edge)}."
-    yield _share("truncation", share, TRUNCATION, said)
+        text += f" {narrow}, the modes miss up to {_percent(edge)}."
+    yield _share("truncation", share, TRUNCATION_LIMITS, text)
     if (odd := summary.get("odd_part_film")) is not None:
-        said = "The odd part of the film about the thrust plane is at most {} of the local film "
-        said += "thickness (limit {}). The modes assume a symmetric film."
-        yield _share("symmetry", odd, ODD_PART, said)
+        text = "The odd part of the film about the thrust plane is at most {} of the local film "
+        text += "thickness (limit {}). The modes assume a symmetric film."
+        yield _share("symmetry", odd, ODD_PART, text)
 
 
 def _of_film(table, results, name):
@@ -217,9 +218,9 @@ def _of_film(table, results, name):
     # the limit applies to skirts, and only bearings have a friction torque
     highest = table.of("maximum_pressure_pa", name)
     if highest and f"{name}.friction_torque" not in results.ports:
-        colour = _colour(highest.value, *PRESSURE)
+        colour = _colour(highest.value, *PRESSURE_LIMITS)
         film = f"The maximum pressure is {_located(results, highest, 'Pa')}"
-        film += f" (limit {short(PRESSURE[0], 'Pa')}).{_clause(highest)}"
+        film += f" (limit {short(PRESSURE_LIMITS[0], 'Pa')}).{_clause(highest)}"
         if colour != "green" and _is_rigid(results, film_body(results, name)):
             film += RIGID
         yield Verdict(colour, "pressure", film)
@@ -274,9 +275,11 @@ def _of_grid(results, name):
             )
         closed = without_film(pressure, fractions)
         thin = narrowest_opening(closed)
-        if thin and thin < OPENING:
+        if thin and thin < LEAST_OPENING_CELLS:
             colours.append("amber")
-            remarks.append(f"An opening in the film is {_cells(thin)} wide (minimum {OPENING})")
+            remarks.append(
+                f"An opening in the film is {_cells(thin)} wide (minimum {LEAST_OPENING_CELLS})"
+            )
     yield Verdict(max(colours, key=RANK.index), "grid", " ".join(f"{one}." for one in remarks))
 
 
@@ -315,8 +318,8 @@ def _of_side_force(results, name):
     if not size > 0.0:
         return
     deviation = float(np.sqrt(np.mean((actual - asked) ** 2))) / size
-    said = "The side force differs from the side-force demand by {} rms (limit {})."
-    yield _share("side force", deviation, SIDE_FORCE, said)
+    text = "The side force differs from the side-force demand by {} rms (limit {})."
+    yield _share("side force", deviation, SIDE_FORCE, text)
 
 
 def _of_play(results, name):
@@ -330,6 +333,6 @@ def _of_play(results, name):
         error = max(error, MEMORY_STEPS * float(np.abs(bdf2_error(results.time, play)).max()))
         size = max(size, float(np.ptp(play)))
     if size > 0.0:
-        said = f"The estimated error of the play due to the step is at most {short(error, 'm')}, "
-        said += f"{{}} of the range of {short(size, 'm')} (limit {{}})."
-        yield _share("play of the pin", error / size, PLAY, said)
+        text = f"The estimated error of the play due to the step is at most {short(error, 'm')}, "
+        text += f"{{}} of the range of {short(size, 'm')} (limit {{}})."
+        yield _share("play of the pin", error / size, PLAY_LIMITS, text)

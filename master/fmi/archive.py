@@ -14,7 +14,7 @@ from .errors import BadInput
 
 LARGEST_RATIO = 200
 """Largest allowed ratio of unpacked to packed size. Text reaches about 30."""
-ALWAYS = 2**26
+ALLOWED_SIZE = 2**26
 """Unpacked size that is allowed at any ratio [bytes]."""
 MOST_MEMBERS = 100_000
 
@@ -27,7 +27,7 @@ def check_archive(archive: zipfile.ZipFile, path: Path, key: str = "") -> None:
     members = archive.infolist()
     unpacked = sum(member.file_size for member in members)
     packed = Path(path).stat().st_size
-    if unpacked > max(ALWAYS, LARGEST_RATIO * packed):
+    if unpacked > max(ALLOWED_SIZE, LARGEST_RATIO * packed):
         raise BadInput(
             f"{key}{path}: expected at most {LARGEST_RATIO} times the packed {packed / 1e6:.3g} "
             f"MB, got {unpacked / 1e6:.3g} MB"
@@ -68,11 +68,11 @@ def restore_files(path: Path, folder: Path) -> list[str]:
             if member.is_dir() or _is_intact(target, member):
                 continue
             target.parent.mkdir(parents=True, exist_ok=True)
-            handle, fresh = tempfile.mkstemp(dir=target.parent)
+            handle, temporary = tempfile.mkstemp(dir=target.parent)
             with os.fdopen(handle, "wb") as file:
                 file.write(archive.read(member))
-            os.chmod(fresh, 0o755)
-            os.replace(fresh, target)
+            os.chmod(temporary, 0o755)
+            os.replace(temporary, target)
             restored.append(member.filename)
     return restored
 

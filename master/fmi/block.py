@@ -185,7 +185,7 @@ def flatten(kind: Any) -> tuple[Any, Any]:
             lines.append(f"at = write(row, at, {path}{bits})")
         else:
             lines += [f"row[at] = {path}", "at += 1"]
-    return _made("row, tree", [*lines, "return at"], scope), reader(kind)
+    return _function("row, tree", [*lines, "return at"], scope), reader(kind)
 
 
 def reader(kind: Any) -> Any:
@@ -213,7 +213,7 @@ def reader(kind: Any) -> Any:
         else:
             cast = "" if type_of(hint) is float else type_of(hint).__name__
             lines += [f"{name} = {cast}(row[at])", "at += 1"]
-    return _made("row", [*lines, f"return {_built(kind, 'tree', scope)}"], scope)
+    return _function("row", [*lines, f"return {_built(kind, 'tree', scope)}"], scope)
 
 
 def alike(kind: Any) -> Any:
@@ -253,17 +253,17 @@ def length_of(kind: Any) -> Any:
     sizes = [
         f"{len(shape_of(hint))} + {path}.size" if shape_of(hint) else "1" for path, hint in hints
     ]
-    return _made("tree", [f"return {' + '.join(sizes)}"], {})
+    return _function("tree", [f"return {' + '.join(sizes)}"], {})
 
 
 def room_of(kind: Any, names: str) -> Any:
     """Return the kernel of the length of a tree's longest row, for lengths of arrays, (*names)."""
     shapes = [shape_of(hint) for _, hint in leaves(kind)]
     sizes = (f"{len(shape)} + {' * '.join(f'({one})' for one in shape) or 1}" for shape in shapes)
-    return _made(names, [f"return {' + '.join(sizes)}"], {})
+    return _function(names, [f"return {' + '.join(sizes)}"], {})
 
 
-def _made(arguments: str, lines: list[str], scope: dict[str, Any]) -> Any:
+def _function(arguments: str, lines: list[str], scope: dict[str, Any]) -> Any:
     """Return the function of these lines, which kernels compile."""
     exec(f"def made({arguments}):\n    " + "\n    ".join(lines), scope)
     return compilable(scope["made"])

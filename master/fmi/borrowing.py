@@ -56,8 +56,8 @@ class BorrowingLower(numba_lowering.Lower):
                     values.setdefault(one.target.name, []).append(one.value)
             self.borrowed = self._borrowed(values)
             single = {name: values[name][0] for name in self.borrowed if len(values[name]) == 1}
-            found = {name: self._path(name, single) for name in single}
-            self.paths = {name: path for name, path in found.items() if path}
+            paths = {name: self._path(name, single) for name in single}
+            self.paths = {name: path for name, path in paths.items() if path}
 
     def post_lower(self) -> None:
         """Remove values that nothing uses after the last instruction."""

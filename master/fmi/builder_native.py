@@ -47,10 +47,10 @@ from .tree import ROOT, code_digest, import_part, reached, slave_class
 OWN_FILES = ("builder_native.py", "model_file.py")
 """Files that determine the content of an FMU, in addition to `PACKING`."""
 
-REPORT = 4.0
+REPORT_INTERVAL = 4.0
 """Time between two messages about another process that compiles [s]."""
 
-AHEAD = Path(__file__).parent / "libraries"
+PREBUILT = Path(__file__).parent / "libraries"
 """Folder of prebuilt libraries, named by `library_name`."""
 
 SOURCES = ("native.c", "runtime.c", "common.c")
@@ -65,13 +65,13 @@ NEW_PASSES = (0, 44)
 def is_made_ahead(package: str) -> bool:
     """Return whether there is a prebuilt library of a package for this machine."""
     platform = this_platform()
-    if platform is None or not AHEAD.exists():
+    if platform is None or not PREBUILT.exists():
         return False
     try:
         part_of(package)
     except BadInput:
         return False
-    return (AHEAD / library_name((package,), platform, "2.0")).exists()
+    return (PREBUILT / library_name((package,), platform, "2.0")).exists()
 
 
 def build_native_fmu(
@@ -159,8 +159,8 @@ def pack_native_fmu(
     participants : sequence of str
         Packages whose entries they call.
     """
-    made = libraries((package, *participants), platforms, version, progress)
-    members = _members(inside, made, version)
+    built = libraries((package, *participants), platforms, version, progress)
+    members = _members(inside, built, version)
     return packed_once(f"{name}-native", members, lambda: members, progress)
 
 
@@ -204,21 +204,21 @@ def check_native(
 
 def cannot_build(platforms: Sequence[str], packages: Sequence[str]) -> list[str]:
     """Return the reasons why this machine cannot build a native FMU of these packages."""
-    if strange := [name for name in platforms if name not in PLATFORMS]:
-        return [f"platform: {unknown('platform', name, PLATFORMS)}" for name in strange]
-    made = [
+    if unknown_platforms := [name for name in platforms if name not in PLATFORMS]:
+        return [f"platform: {unknown('platform', name, PLATFORMS)}" for name in unknown_platforms]
+    built = [
         name
         for name in platforms
-        if not all((AHEAD / library_name(packages, name, one)).exists() for one in FRONTS)
+        if not all((PREBUILT / library_name(packages, name, one)).exists() for one in FRONTS)
     ]
     missing = [
         f"platform {name}: expected a C compiler, "
         + " or ".join(command[0] for command in PLATFORMS[name].compilers)
         + ", got none"
-        for name in made
+        for name in built
         if compiler_of(name) is None
     ]
-    return [*missing, *too_old()] if made else []
+    return [*missing, *too_old()] if built else []
 
 
 def part_of(package: str) -> NativePart:
@@ -286,7 +286,7 @@ def libraries(
     platforms, version, progress
         As for `build_native_fmu`.
     """
-    ahead = {name: AHEAD / library_name(packages, name, version) for name in platforms}
+    ahead = {name: PREBUILT / library_name(packages, name, version) for name in platforms}
     missing = [name for name, path in ahead.items() if not path.exists()]
     codes = compiled_packages(packages, missing, progress) if missing else {}
     made: dict[str, bytes] = {}
@@ -309,8 +309,8 @@ def library_file(packages: Sequence[str], may_build: bool) -> Path | None:
     if platform is None or platform == "win64":
         return None
     name = library_name(packages, platform, "2.0")
-    if (AHEAD / name).exists():
-        return AHEAD / name
+    if (PREBUILT / name).exists():
+        return PREBUILT / name
     if not may_build or cannot_build([platform], packages):
         return None
     path = cache_folder("native") / name
@@ -384,7 +384,7 @@ def sole_compiler(
                 lock.seek(0)
                 holder = lock.read().strip() or "another process"
                 progress(f"waiting for {holder}, which compiles {package}: {now - begin:.0f} s")
-                due = now + REPORT
+                due = now + REPORT_INTERVAL
             time.sleep(0.1)
         lock.truncate(0)
         lock.write(f"process {os.getpid()} on {machine.node()}\n")

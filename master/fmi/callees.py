@@ -158,12 +158,12 @@ class CalleeCompiler(BorrowingCompiler):
         self.state.flags.no_compile = True
         self.state.library = CalleeLibrary(context.codegen(), func.__qualname__)
         with rare_collections():
-            made = BorrowingCompiler.compile_extra(self, func)
-        made.library.finalize()
-        made.library.environments = tuple(made._find_referenced_environments())
-        made = made._replace(entry_point=_name_of(made.fndesc, made.environment))
-        context.insert_user_function(made.entry_point, made.fndesc, [made.library])
-        return made
+            compiled = BorrowingCompiler.compile_extra(self, func)
+        compiled.library.finalize()
+        compiled.library.environments = tuple(compiled._find_referenced_environments())
+        compiled = compiled._replace(entry_point=_name_of(compiled.fndesc, compiled.environment))
+        context.insert_user_function(compiled.entry_point, compiled.fndesc, [compiled.library])
+        return compiled
 
 
 class EntryCompiler(BorrowingCompiler):
@@ -175,10 +175,10 @@ class EntryCompiler(BorrowingCompiler):
         self.state.library = EntryLibrary(self.state.targetctx.codegen(), func.__qualname__)
         self.state.library.enable_object_caching()
         with rare_collections():
-            made = BorrowingCompiler.compile_extra(self, func)
-        for environment in made._find_referenced_environments():
-            made.codegen.set_env(environment.env_name, environment)
-        return made
+            compiled = BorrowingCompiler.compile_extra(self, func)
+        for environment in compiled._find_referenced_environments():
+            compiled.codegen.set_env(environment.env_name, environment)
+        return compiled
 
 
 class CalleeKept(caching.CompileResultCacheImpl):

@@ -70,13 +70,13 @@ def packed(kind: Any, *others: str) -> tuple[Any, Any]:
     extra = "".join(f", {name}" for name in others)
     stores = "".join(f"    x[{k}] = value.{name}\n" for k, name in enumerate(names))
     values = ", ".join([f"{n}=x[{k}]" for k, n in enumerate(names)] + [f"{n}={n}" for n in others])
-    put, made = (f"{word}_{kind.__name__}" for word in ("put", "made"))
-    text = f"def {put}(x, value):\n{stores}\ndef {made}(x{extra}):\n    return kind({values})"
+    put, from_row = (f"{word}_{kind.__name__}" for word in ("put", "made"))
+    text = f"def {put}(x, value):\n{stores}\ndef {from_row}(x{extra}):\n    return kind({values})"
     module = sys.modules[kind.__module__]
     importable = getattr(module, kind.__name__, None) is kind  # else no cache can name its type
     scope: dict[str, Any] = {"kind": kind, "__name__": kind.__module__}
     exec(compile(text, str(module.__file__) if importable else "<string>", "exec"), scope)
-    return compilable(scope[put]), compilable(scope[made])
+    return compilable(scope[put]), compilable(scope[from_row])
 
 
 class Kernel(Generic[Given, Result]):

@@ -73,8 +73,8 @@ def near(name: str, known: Iterable[str]) -> str:
     Capitals and the hyphens of options do not count.
     """
     names = {str(one).lstrip("-").lower(): str(one) for one in known}
-    wanted = name.lstrip("-").lower()
-    close = [names[one] for one in get_close_matches(wanted, names, 2, 0.6)]
+    lower_name = name.lstrip("-").lower()
+    close = [names[one] for one in get_close_matches(lower_name, names, 2, 0.6)]
     return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
 
 
@@ -125,7 +125,7 @@ FAULTS_OF_SYSTEM = {
     errno.ENOSPC: "free space on the disk",
     errno.EROFS: "a folder that can be written",
 }
-"""What the system expected, by the number of its error."""
+"""Expected condition by the error number of the operating system."""
 
 
 class Discard(RuntimeError):

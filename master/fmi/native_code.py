@@ -134,9 +134,9 @@ TWICE = ("invert_in_place", "substitute", "read", "read_both", "spread", "add_sh
 same bits, because no multiplication is fused with an addition."""
 
 
-REPORT = 3.0
+REPORT_INTERVAL = 3.0
 """Time between two messages about the progress [s]."""
-KERNELS = 450
+KERNEL_COUNT = 450
 """Number of functions that numba compiles for the largest package, `fmu_mfbd`: 447."""
 
 
@@ -158,7 +158,7 @@ def object_files(
         Cached LLVM module, compressed; created if missing. It takes minutes and is the same for
         all targets.
     progress : callable, optional
-        Called with a message every `REPORT` s.
+        Called with a message every `REPORT_INTERVAL` s.
 
     Raises
     ------
@@ -233,7 +233,7 @@ def module_text(package: str, part: Any) -> str:
             )
 
         with global_compiler_lock:
-            made = compiler.compile_extra(
+            compiled = compiler.compile_extra(
                 cpu_target.typing_context,
                 cpu_target.target_context,
                 call,
@@ -243,10 +243,10 @@ def module_text(package: str, part: Any) -> str:
                 {},
                 pipeline_class=CalleeCompiler,
             )
-        EntryLibrary.link_callees(made.library)
-        module = binding.parse_assembly(str(made.library._final_module))
+        EntryLibrary.link_callees(compiled.library)
+        module = binding.parse_assembly(str(compiled.library._final_module))
         name = symbol(package, entry.py_func.__name__)
-        module.get_function(made.fndesc.llvm_func_name).name = name
+        module.get_function(compiled.fndesc.llvm_func_name).name = name
         names.append(name)
         if whole is None:
             whole = module
@@ -401,14 +401,14 @@ def _follow() -> None:
 
 
 def _report(phase: list[str]) -> None:
-    """Print phase, time and share of compiled kernels every `REPORT` s."""
+    """Print phase, time and share of compiled kernels every `REPORT_INTERVAL` s."""
     event: Any = import_module("numba.core.event")
     begin = time.monotonic()
     listener = event.RecordingListener()
     event.register("numba:compile", listener)
     while True:
-        time.sleep(REPORT)
-        share = min(99, 100 * sum(one.is_end for _, one in listener.buffer) // KERNELS)
+        time.sleep(REPORT_INTERVAL)
+        share = min(99, 100 * sum(one.is_end for _, one in listener.buffer) // KERNEL_COUNT)
         seconds = time.monotonic() - begin
         at = f"{share} %, " if phase[0].startswith("compiling") else ""
         print(f"{phase[0]}: {at}{seconds:.0f} s", flush=True)

@@ -11,7 +11,7 @@ from .slave import reserved
 NOWHERE = -1
 """Position of a variable that does not exist."""
 WHOLE, TO_COORDINATES, FROM_COORDINATES, READ, PLACE, MEASURE = map(float, range(6))
-"""What an entry `tangent` does, the first of its numbers.
+"""Task of an entry `tangent`, the first of its numbers.
 
 WHOLE: from seeds to products. The others use the coordinates of the model, on which its outputs
 depend. TO_COORDINATES, FROM_COORDINATES: from seeds to changes of them, and on to products, roughly

@@ -184,11 +184,11 @@ def _sentence(fault: Any, where: str, kind: type[BaseModel]) -> str:
     if fault["type"] in ("literal_error", "enum"):
         choices = [text.strip(" '") for text in re.split(",| or ", context["expected"])]
         return f"{where}: {unknown('choice', fault['input'], choices)}"
-    wanted = WANTED.get(fault["type"], "another value").format(**context)
+    expected = WANTED.get(fault["type"], "another value").format(**context)
     if fault["type"].startswith(("greater_than", "less_than")):
         schema = kind.model_json_schema()
-        wanted = f"{wanted} {_unit_at(schema, schema, fault['loc'])}".rstrip()
-    return f"{where or 'case'}: expected {wanted}, got {_shown(fault['input'])}"
+        expected = f"{expected} {_unit_at(schema, schema, fault['loc'])}".rstrip()
+    return f"{where or 'case'}: expected {expected}, got {_shown(fault['input'])}"
 
 
 def _shown(value: Any) -> str:

@@ -24,14 +24,14 @@ def registry() -> Any:
     An unreadable cache is deleted.
     """
     pint: Any = import_module("pint")
-    made = partial(pint.UnitRegistry, autoconvert_offset_to_baseunit=True)
+    make_registry = partial(pint.UnitRegistry, autoconvert_offset_to_baseunit=True)
     with suppress(OSError, RuntimeError):  # there is no place for a cache
         cache = cache_folder("units")
         try:
-            return made(cache_folder=cache)
+            return make_registry(cache_folder=cache)
         except Exception:  # whatever a damaged pickle raises
             rmtree(cache, ignore_errors=True)
-    return made()
+    return make_registry()
 
 
 def pint_unit(unit: str) -> str:
@@ -94,15 +94,15 @@ def _not_a_quantity(value: object, unit: str) -> ValueError:
     The example is the value with a decimal point, without spaces in its number or with a unit, if
     that makes it a quantity.
     """
-    wanted = "a number" if unit == "1" else f"a quantity in {unit}"
+    expected = "a number" if unit == "1" else f"a quantity in {unit}"
     example = EXAMPLES.get(unit, f"1 {pint_unit(unit)}".replace("**", "^"))
     plain = re.sub(r"(?<=\d)[\s_](?=\d)", "", str(value)).strip().replace(",", ".")
     own_unit = example.partition(" ")[2]
     with suppress(ValueError):
         closer = plain if quantity(plain).units._units or unit == "1" else f"{plain} {own_unit}"
         example = example if _is_apart(quantity(closer), unit) else closer
-    wanted += " with a decimal point" if "," in str(value) else ""
-    return ValueError(f"expected {wanted}, got {value!r}; write for example '{example}'")
+    expected += " with a decimal point" if "," in str(value) else ""
+    return ValueError(f"expected {expected}, got {value!r}; write for example '{example}'")
 
 
 QUANTITY = re.compile(
@@ -132,10 +132,10 @@ def quantity(text: str) -> Any:
     if re.search(r"[-+,\d]", EXPONENT.sub("", unit.removeprefix("1/"))) or unit == "Grad":
         raise ValueError(f"expected one number with a unit, got {text!r}")
     try:
-        made = registry().Quantity(float(written["number"]), pint_unit(unit or "1"))
+        value = registry().Quantity(float(written["number"]), pint_unit(unit or "1"))
     except Exception:  # pint raises errors of many kinds
         raise ValueError(f"expected a known unit, got {text!r}") from None
-    return made
+    return value
 
 
 def angle_power(units: Any) -> float:

@@ -16,7 +16,7 @@ models: Any = import_module("numba.core.datamodel.models")
 registry: Any = import_module("numba.core.datamodel.registry")
 types: Any = import_module("numba.core.types")
 
-LARGEST = 16
+LARGEST_TUPLE = 16
 """Count of numbers of the largest named tuple that is passed by value."""
 
 
@@ -123,7 +123,7 @@ def _register(kind: Any, model: Any) -> None:
     def made(manager: Any, fe_type: Any) -> Any:
         if fe_type.instance_class.__module__.partition(".")[0] == ROOT:
             known = model(manager, fe_type)
-            if _count(known) > LARGEST:
+            if _count(known) > LARGEST_TUPLE:
                 return known
         return other(manager, fe_type)
 

@@ -311,8 +311,8 @@ class FieldSlave(Fmi2Slave):
     def enter_initialization_mode(self) -> None:
         """Let outputs follow inputs until `exit_initialization_mode`; log a compilation."""
         kernels: Any = sys.modules.get(f"{__package__}.compiled")
-        if kernels and (said := kernels.first_start()):
-            self.log(said, Fmi2Status.warning)
+        if kernels and (message := kernels.first_start()):
+            self.log(message, Fmi2Status.warning)
         self.initialising = True
         self.shown = None
 
@@ -321,9 +321,9 @@ class FieldSlave(Fmi2Slave):
 
         If these are rejected, the outputs do not change. The end of the initialisation reports why.
         """
-        if not self.initialising or self.shown == self._given():
+        if not self.initialising or self.shown == self._start_values():
             return
-        self.shown = self._given()
+        self.shown = self._start_values()
         if self._range_faults():
             return
         try:
@@ -339,7 +339,7 @@ class FieldSlave(Fmi2Slave):
         self.initialising = False
         self.state = self._checked_start()
 
-    def _given(self) -> tuple[Any, ...]:
+    def _start_values(self) -> tuple[Any, ...]:
         """Return all values that a start depends on, comparable."""
         return (
             *(self.views[v.name].tobytes() for v in self.table if v.name in self.settable),

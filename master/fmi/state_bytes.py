@@ -22,7 +22,7 @@ from typing import Any, cast
 import numpy as np
 
 LENGTH = 8
-FASTEST = 1
+COMPRESSION = 1
 """Level of compression; the best one takes twice as long and gains a percent."""
 
 
@@ -31,7 +31,9 @@ def join(head: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> bytes:
     listed = [(name, array.dtype.str, array.shape) for name, array in arrays.items()]
     text = json.dumps({**head, "arrays": listed}).encode()
     parts = [np.ascontiguousarray(array).tobytes() for array in arrays.values()]
-    return zlib.compress(b"".join([len(text).to_bytes(LENGTH, "little"), text, *parts]), FASTEST)
+    return zlib.compress(
+        b"".join([len(text).to_bytes(LENGTH, "little"), text, *parts]), COMPRESSION
+    )
 
 
 def split(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:

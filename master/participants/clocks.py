@@ -10,7 +10,7 @@ import numpy as np
 from fmpy import fmi3
 
 from ..fmi.errors import BadInput, CallFailed, Discard, Ticked
-from .fmi2 import WHOLE, FmuParticipant
+from .fmi2 import TIME_TOLERANCE, FmuParticipant
 from .fmi3 import LARGEST_ITERATION, Fmu3Participant
 from .plain import pack, unpack
 
@@ -129,7 +129,9 @@ class ClockedFmu3(Fmu3Participant):
     def tick(self, time, step):
         """Tick the input clocks that are due at `time`, within a tolerance of the next step [s]."""
         for _ in range(LARGEST_ITERATION):
-            due = [c for c in self._work.due if self._work.instant(c) <= time + WHOLE * step]
+            due = [
+                c for c in self._work.due if self._work.instant(c) <= time + TIME_TOLERANCE * step
+            ]
             if not due:
                 return
             self._now = time
@@ -261,7 +263,7 @@ class ClockedFmu3(Fmu3Participant):
         """Handle an event inside a step; raise `Ticked` if others must receive it now."""
         self._now = reached
         finished = super()._handle_event(reached, end, step)
-        inside = end - step + WHOLE * step < reached < end - WHOLE * step
+        inside = end - step + TIME_TOLERANCE * step < reached < end - TIME_TOLERANCE * step
         if inside and not self._stops.isdisjoint(self._work.ticked):
             raise Ticked(self.name, reached)
         return finished

@@ -40,16 +40,16 @@ class ConvertedParticipant(FieldByField, Wrapper):
 
     def enter(self, parameters, start_time, stop_time):
         """Run the first half of `start`; converted inputs have the wire's unit."""
-        values = {name: self._given(name, value) for name, value in parameters.items()}
+        values = {name: self._converted_value(name, value) for name, value in parameters.items()}
         self.participant.enter(values, start_time, stop_time)
 
-    def _given(self, name, value):
+    def _converted_value(self, name, value):
         conversion = self.conversions.get(name)
         return value if conversion is None else conversion(value)
 
     def set(self, name, value):
         """Set a field; converted inputs have the wire's unit."""
-        self.participant.set(name, self._given(name, value))
+        self.participant.set(name, self._converted_value(name, value))
 
     def set_course(self, name, course):
         """Set an input and its time derivatives at the beginning of the next step."""

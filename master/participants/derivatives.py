@@ -24,18 +24,19 @@ compared with the nonlinearity of the step map."""
 TRIED = (DIFFERENCE, 1e-2)
 """Changes to try until one agrees. If an FMU solves to a loose tolerance, its response to small
 changes is noise."""
-MOVED = (0.0, -1e-2, 1e-2)
-"""Shifts of the inputs, in nominals, to try until one agrees. A start is often at a kink (a film
-at rest without pressure, a gap that has just closed), where no derivative is right."""
-AGREES = 0.1
+INPUT_SHIFTS = (0.0, -1e-2, 1e-2)
+"""Shifts of the inputs, in nominal values, to try until one agrees. A start is often at a kink, for
+example a film at rest without pressure, where no derivative is right."""
+AGREEMENT_TOLERANCE = 0.1
 """Tolerance relative to the difference. With this error, Newton's residual still falls to a
 tenth in every iteration, which is cheaper than differences. The standard's derivative of a state
 has an error of 1."""
 NEGLIGIBLE = 1e-290
-"""Relative change of inputs that counts as none: quotients by a denormal number overflow."""
+"""Relative change of inputs that counts as zero, because a division by a denormal number
+overflows."""
 ROUND_OFF = 1e-12
 """Round-off relative to an output's largest value. Changes below ten times this are ignored."""
-INSTANTS = 2
+CHECKED_STEPS = 2
 """Number of steps to check, because the first one may have no response."""
 GROUPS = 2
 """Number of groups of inputs that are changed separately, so that a strong input does not hide
@@ -185,8 +186,8 @@ def objection(
     saved = participant.save()
     disagreed = False
     try:
-        for k in range(INSTANTS):
-            for moved in MOVED:
+        for k in range(CHECKED_STEPS):
+            for moved in INPUT_SHIFTS:
                 try:
                     verdict = _agrees_at(
                         participant, (begin + k * step, step), inputs, outputs, moved
@@ -295,6 +296,6 @@ def _agrees(predicted: Fields, change: Fields, values: Mapping[str, Any]) -> boo
             continue
         shown = True
         error = np.linalg.norm(predicted[name] - true)
-        if not error <= AGREES * np.linalg.norm(true) + noise:
+        if not error <= AGREEMENT_TOLERANCE * np.linalg.norm(true) + noise:
             return False
     return True if shown else None

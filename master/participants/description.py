@@ -114,10 +114,10 @@ class DescribedFmu:
         """Raise `BadInput` if the FMU has no library for this platform, with those that it has."""
         platform = fmpy.platform if self.version == "2" else fmpy.platform_tuple
         identifier = self.description.coSimulation.modelIdentifier
-        wanted = f"binaries/{platform}/{identifier}{fmpy.sharedLibraryExtension}"
+        expected = f"binaries/{platform}/{identifier}{fmpy.sharedLibraryExtension}"
         with zipfile.ZipFile(self.path) as archive:
             names = archive.namelist()
-        if wanted in names:
+        if expected in names:
             return
         files = [name.split("/") for name in names]
         platforms = sorted({file[1] for file in files if file[0] == "binaries" and file[2:]})
@@ -131,7 +131,7 @@ class DescribedFmu:
         hint = f"export it for {platform}"
         if has_sources:
             hint = f"it has source code: compile it with `fmpy compile {self.path.name}`"
-        raise BadInput(f"fmu: {self.path}: expected {wanted}, got {got}; {hint}")
+        raise BadInput(f"fmu: {self.path}: expected {expected}, got {got}; {hint}")
 
     @property
     def only_once(self):

@@ -21,7 +21,7 @@ from .printf import Logger, printed
 from .transfer import FAILED, FmuFields
 from .warned import LoggedWarnings
 
-WHOLE = 1e-9
+TIME_TOLERANCE = 1e-9
 """Share of a step that counts as zero."""
 TRUE = ctypes.c_int(fmi2.fmi2True)
 WARNING = fmi2.fmi2Warning
@@ -35,7 +35,7 @@ def step_within(time, step, stop):
 
     Longer steps, which trials take, do not change.
     """
-    if not 0.0 < time + step - stop <= WHOLE * step < inf:
+    if not 0.0 < time + step - stop <= TIME_TOLERANCE * step < inf:
         return step
     step = stop - time
     return step if time + step <= stop else nextafter(step, 0.0)
@@ -59,7 +59,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
     Attributes
     ----------
     at : saved state or None
-        That in which the instance is, if no step has left it.
+        Saved state of the instance, until a step changes it.
 
     Raises
     ------
@@ -266,7 +266,7 @@ class FmuParticipant(RepeatedStep, StartedInHalves, FmuFields):
     def _end(self, reached, end, step):
         """End the simulation for the FMU; raise `Finished` if this step is incomplete."""
         self.ended = f"{self.name}: ends the simulation at t = {reached:.6g} s"
-        if end - reached > WHOLE * step:
+        if end - reached > TIME_TOLERANCE * step:
             raise Finished(self.ended)
 
     def _reached(self, time):

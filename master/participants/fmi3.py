@@ -7,7 +7,7 @@ from math import inf
 from fmpy import fmi3
 
 from ..fmi.errors import Discard
-from .fmi2 import WHOLE, FmuParticipant, step_within
+from .fmi2 import TIME_TOLERANCE, FmuParticipant, step_within
 from .plain import pack, unpack
 
 LARGEST_ITERATION = 1000
@@ -131,7 +131,7 @@ class Fmu3Participant(FmuParticipant):
         reached = ctypes.c_double()
         references = [ctypes.byref(answer) for answer in (*flags, reached)]
         while True:
-            inside = at + WHOLE * step < self._next_event < end - WHOLE * step
+            inside = at + TIME_TOLERANCE * step < self._next_event < end - TIME_TOLERANCE * step
             until = self._next_event if inside else end
             length = step_within(at, until - at, self._stop)
             times = ctypes.c_double(at), ctypes.c_double(length)
@@ -139,13 +139,13 @@ class Fmu3Participant(FmuParticipant):
                 self._check("fmi3DoStep", status)
             event, finished, early = (flag.value for flag in flags)
             now = reached.value if early or finished else until
-            is_due = self._next_event <= now + WHOLE * step
+            is_due = self._next_event <= now + TIME_TOLERANCE * step
             if (event or is_due) and self._has_events and not finished:
                 finished = self._handle_event(now, end, step)
             if finished:
                 self._end(now, end, step)
                 return
-            if end - now <= WHOLE * step:
+            if end - now <= TIME_TOLERANCE * step:
                 return
             if not now > at:
                 raise Discard(f"{self.name}: returns early at t = {at:.6g} s without progress")

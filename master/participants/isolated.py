@@ -66,8 +66,8 @@ class IsolatedParticipant(StartedInHalves):
         """Start the process. Call it before `start`, because it takes time."""
         described = self.described
         length = getattr(described, "length", None)
-        how = described.elements, described.event_mode
-        recipe = self.name, self.path, described.sizes, length, *how
+        opening = described.elements, described.event_mode
+        recipe = self.name, self.path, described.sizes, length, *opening
         self._process = Worker(_serve, recipe)
         self._pipe = self._process.pipe
 

@@ -17,10 +17,14 @@ Value = np.ndarray | float | int | bool | str
 class Participant(Protocol):
     """One model under the master.
 
-    A saved state is the result of `save`, which the master does not inspect. A participant may
-    also define `block(names, use)`, see `FieldBlock`, and `derive(inputs, changes, outputs)`, which
-    transfer several concatenated real fields in one call. For others the master transfers each
-    field separately.
+    `start` calls `enter` and `leave`, begin and end of Initialization Mode. `step` advances from
+    `time` by `step` [s]. A saved state is the result of `save`, which the master does not inspect.
+    `derivative` returns the changes of `products` (outputs) for changes `seeds` of inputs, both by
+    name.
+
+    A participant may also define `block(names, use)`, see `FieldBlock`, and
+    `derive(inputs, changes, outputs)`. They transfer several concatenated real fields in one call.
+    For other participants the master transfers each field separately.
     """
 
     @property
@@ -53,7 +57,7 @@ class Participant(Protocol):
 
 
 class StartedInHalves:
-    """`start` of a participant by its halves."""
+    """Mixin whose `start` calls `enter` and `leave`, begin and end of Initialization Mode."""
 
     enter: Callable[..., None]
     leave: Callable[[], None]

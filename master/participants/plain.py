@@ -128,9 +128,9 @@ class _Reader:
             return kind(*(content[name] for name in names))
         if any(name.startswith("__") for name in content):
             raise NotPlain(f"{node['class']} with an attribute of Python's own")
-        made = object.__new__(kind)
-        vars(made).update(content)
-        return made
+        instance = object.__new__(kind)
+        vars(instance).update(content)
+        return instance
 
     def _array(self, node):
         dtype = np.dtype(str(node["dtype"]))

@@ -42,7 +42,7 @@ def plugin(kind: str, name: str) -> Any:
         ) from None
 
 
-def made(kind: str, name: str, *arguments: Any) -> Any:
+def from_plugin(kind: str, name: str, *arguments: Any) -> Any:
     """Return the result of a factory; raise `BadInput` if it raises `ValueError`."""
     factory = plugin(kind, name)
     try:

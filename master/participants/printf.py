@@ -49,8 +49,8 @@ def _converted(match, words, doubles):
     kind = match["kind"]
     if kind == "%":
         return "%"
-    width = _given(match["width"], words)
-    precision = _given(match["precision"], words)
+    width = _size_of(match["width"], words)
+    precision = _size_of(match["precision"], words)
     sized = "" if precision is None else f".{precision}"
     form = f"%{match['flags']}{'' if width is None else width}{sized}"
     if kind in "eEfFgG":
@@ -70,7 +70,7 @@ def _converted(match, words, doubles):
     return f"{form}{kind}" % number
 
 
-def _given(text, words):
+def _size_of(text, words):
     """Return a width or precision; `*` consumes an argument."""
     if text != "*":
         return text

@@ -10,7 +10,7 @@ import numpy as np
 from ..fmi.errors import BadInput, Discard, Finished, ParticipantFault
 from .derivatives import put_back
 
-STEPS = 2
+COMPARED_STEPS = 2
 """Number of steps to compare. A missing part of the state may affect only the second one."""
 TALLY = " so far"
 """In the description of an output that counts repeated steps too, and is no part of a state."""
@@ -148,7 +148,7 @@ def _compare(
         first = one.save()
     except ParticipantFault as error:
         return RollbackTrial(f"its state cannot be saved: {error}")
-    times = [begin + k * step for k in range(STEPS)]
+    times = [begin + k * step for k in range(COMPARED_STEPS)]
     try:
         plain = [_step_outputs(one, time, step) for time in times]
     except (Discard, ParticipantFault, Finished):
@@ -209,14 +209,14 @@ def _difference(
             is_tally = TALLY in (one.fields[name].description or "")
             if share <= (worst if counts else ROUND_OFF) or (is_tally and not counts):
                 continue
-            said = (
+            fault = (
                 f"{name} differs by {difference:.3g} ({100 * share:.3g} %) after step {k} if "
                 "states are saved and restored"
             )
             if counts:
-                worst, message = share, said
+                worst, message = share, fault
             else:
-                remark = remark or said
+                remark = remark or fault
     return RollbackTrial(
         fault="",
         noise=worst if message else 0.0,

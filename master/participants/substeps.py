@@ -8,7 +8,7 @@ from ..fmi.errors import Discard, Finished
 from .derivatives import RepeatedStep
 from .participant import FieldByField, Wrapper
 
-EXACT = 1e-9
+STEP_TOLERANCE = 1e-9
 """Tolerance of a macro step that must be a multiple of a fixed step, relative to that step."""
 
 
@@ -81,9 +81,9 @@ class Substeps(RepeatedStep, FieldByField, Wrapper):
     def _count(self, step):
         """Return the number of steps in a macro step."""
         if not self.fixed:
-            return max(1, ceil(step / self.length - EXACT))
+            return max(1, ceil(step / self.length - STEP_TOLERANCE))
         count = round(step / self.length)
-        if count < 1 or abs(step - count * self.length) > EXACT * self.length:
+        if count < 1 or abs(step - count * self.length) > STEP_TOLERANCE * self.length:
             raise Discard(
                 f"{self.name}: expected a multiple of {self.length:g} s, got a step of {step:g} s"
             )

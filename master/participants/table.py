@@ -94,8 +94,8 @@ class TableParticipant(StartedInHalves):
         convert = TYPES[kind]
         wrong = [value for value in self.rows[column].tolist() if convert(value) != value]
         if wrong:
-            wanted = "0 and 1, or false and true" if kind == "Boolean" else "whole numbers"
-            raise BadInput(f"{self.path}, column {column}: expected {wanted}, got {wrong[0]:g}")
+            expected = "0 and 1, or false and true" if kind == "Boolean" else "whole numbers"
+            raise BadInput(f"{self.path}, column {column}: expected {expected}, got {wrong[0]:g}")
         self.fields[column] = replace(self.fields[column], type=kind)
 
     def enter(self, parameters, start_time, stop_time):
@@ -242,6 +242,6 @@ def _numbers(path, rows, width, faults):
         if len(values) == width and np.isfinite(values).all():
             table[k] = values
         else:
-            wanted = f"{width} finite numbers"
-            faults.append(f"{path}, row {number}: expected {wanted}, got {', '.join(row)!r}")
+            expected = f"{width} finite numbers"
+            faults.append(f"{path}, row {number}: expected {expected}, got {', '.join(row)!r}")
     return table

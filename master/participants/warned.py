@@ -7,7 +7,7 @@ from typing import NamedTuple
 NUMBER = re.compile(r"[-+]?\d+\.?\d*([eE][-+]?\d+)?")
 MOST_KINDS = 50
 """Maximum number of kinds of warnings. All others count as one kind."""
-LONGEST = 1000
+MOST_CHARACTERS = 1000
 """Maximum number of characters of a warning that is kept."""
 
 
@@ -56,10 +56,10 @@ class LoggedWarnings:
 
     def add(self, text: str, time: float | None) -> None:
         """Count a warning; keep its text if it is the first of its kind."""
-        kind = kind_of(text[:LONGEST])
+        kind = kind_of(text[:MOST_CHARACTERS])
         if kind not in self._kinds and len(self._kinds) >= MOST_KINDS:
             kind = ""
-        first = self._kinds.get(kind, LoggedWarning(text[:LONGEST], time, 0))
+        first = self._kinds.get(kind, LoggedWarning(text[:MOST_CHARACTERS], time, 0))
         self._kinds[kind] = first._replace(count=first.count + 1)
 
     def all(self) -> list[LoggedWarning]:

@@ -17,7 +17,7 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any
 
-GRACE = 1.0
+GRACE_PERIOD = 1.0
 """Time that a worker has to end after the other side has closed its pipe [s]."""
 
 
@@ -87,5 +87,5 @@ def _follow(descriptor):
     closed = select.poll()
     closed.register(descriptor, 0)  # POLLHUP only
     closed.poll()
-    time.sleep(GRACE)
+    time.sleep(GRACE_PERIOD)
     os._exit(1)

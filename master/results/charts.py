@@ -19,7 +19,7 @@ from .words import common_words, labelled, name_of, names_of, scaled
 
 Dash = Literal["solid", "dash", "dot", "dashdot"]
 DASHES: tuple[Dash, ...] = ("solid", "dash", "dot", "dashdot")
-MEASURED = -1
+NO_RUN = -1
 """Number of the run for curves that belong to no run."""
 
 
@@ -27,7 +27,7 @@ MEASURED = -1
 class Curve:
     """Values over an abscissa, in the units of its chart.
 
-    run : number of the run, which determines the colour, or MEASURED.
+    run : number of the run, which determines the colour, or NO_RUN.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Band:
 
     low: float
     high: float
-    said: str
+    text: str
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Corridor:
     x: np.ndarray
     low: np.ndarray
     high: np.ndarray
-    said: str
+    text: str
 
 
 @dataclass(frozen=True)
@@ -94,13 +94,16 @@ class Chart:
 
 @dataclass(frozen=True)
 class StillMap:
-    """Field without time for every run (None if a run has none), over the axes of the case."""
+    """Field without time for every run (None if a run has none), over the axes of the case.
+
+    cells : whether each cell exists, for every run, see `field_data`.
+    """
 
     title: str
     unit: str
     axes: Axes
     fields: Sequence[np.ndarray | None]
-    there: Sequence[np.ndarray | None]
+    cells: Sequence[np.ndarray | None]
 
 
 Drawn = Chart | StillMap
@@ -112,7 +115,7 @@ class Section:
 
     title: str
     drawn: Sequence[Drawn]
-    said: str = ""
+    text: str = ""
     phases: "Sequence[CyclePhase] | None" = None
     """Parts of the cursor's abscissa. Default: those of the page."""
 
@@ -149,7 +152,7 @@ def line_charts(case, picture, runs, x_unit) -> list[Chart]:
     ----------
     case : Case
     picture : Picture
-        Of kind `lines`.
+        Picture of kind `lines`.
     runs : dict of str to Results
     x_unit : str or None
         Unit of the abscissa. Default: SI.
@@ -207,7 +210,7 @@ def _extremes(port, run, x, y, unit) -> list[Extreme]:
     return [Extreme(sign, run, float(x[k]), float(y[k]), f"{y[k]:.3g} {unit}".strip())]
 
 
-NEAR = 0.15, 0.2
+TEXT_DISTANCE = 0.15, 0.2
 """Distance of two points whose texts would meet, relative to width and height of a chart."""
 
 
@@ -224,8 +227,8 @@ def _anchored(extremes, curves) -> list[Extreme]:
             (other.x, n)
             for n, other in enumerate(extremes)
             if n != k
-            and abs(other.x - one.x) < NEAR[0] * width
-            and abs(other.y - one.y) < NEAR[1] * height
+            and abs(other.x - one.x) < TEXT_DISTANCE[0] * width
+            and abs(other.y - one.y) < TEXT_DISTANCE[1] * height
         ]
         share = (one.x - x.min()) / width
         is_left = share > 0.88 or (share > 0.12 and any(other > (one.x, k) for other in others))
@@ -301,7 +304,7 @@ def as_data(part: Any, columns: Columns) -> Any:
         return columns.add(part)
     if isinstance(part, StillMap):
         stacks = [None if values is None else values[None] for values in part.fields]
-        return {"kind": "map"} | field_data(part.title, part.unit, part.axes, stacks, part.there)
+        return {"kind": "map"} | field_data(part.title, part.unit, part.axes, stacks, part.cells)
     if is_dataclass(part):
         return {name: as_data(value, columns) for name, value in vars(part).items()}
     if isinstance(part, (list, tuple)):
@@ -309,7 +312,7 @@ def as_data(part: Any, columns: Columns) -> Any:
     return part
 
 
-def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
+def field_data(name, unit, axes, stacks, cells) -> dict[str, Any]:
     """Return the frames of a field for every run; None for a run that lacks it.
 
     Parameters
@@ -318,8 +321,8 @@ def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
     axes : Axes
     stacks : sequence of ndarray, shape (frames, n, m), or None
         In `unit`.
-    there : sequence of ndarray of bool, shape (n, m), or None
-        Cells that exist in a run's field. None: all.
+    cells : sequence of ndarray of bool, shape (n, m), or None
+        Whether each cell of a run's field exists. None: all do.
 
     Returns
     -------
@@ -328,8 +331,8 @@ def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
         grid for each run.
     """
     shown = [
-        stack[:, cells] if cells is not None else stack
-        for stack, cells in zip(stacks, there)
+        stack[:, exists] if exists is not None else stack
+        for stack, exists in zip(stacks, cells)
         if stack is not None
     ]
     runs = [
@@ -338,10 +341,10 @@ def field_data(name, unit, axes, stacks, there) -> dict[str, Any]:
         else packed_frames(stack)
         | {
             "shape": list(stack.shape[1:]),
-            "there": None if cells is None else "".join(map(str, cells.astype(int).ravel())),
+            "cells": None if exists is None else "".join(map(str, exists.astype(int).ravel())),
             "ends": [list(axes.first.ends(stack.shape[1])), list(axes.second.ends(stack.shape[2]))],
         }
-        for stack, cells in zip(stacks, there)
+        for stack, exists in zip(stacks, cells)
     ]
     low = float(min(np.nanmin(one) for one in shown))
     high = float(max(np.nanmax(one) for one in shown))

@@ -10,7 +10,7 @@ from ..case.contract import players
 from ..fmi.errors import BadInput, collecting, file_fault, unknown
 from ..fmi.quantities import to_si
 from ..fmi.separated import read_rows
-from .charts import MEASURED, Chart, Corridor, Curve, Section
+from .charts import NO_RUN, Chart, Corridor, Curve, Section
 from .instants import CRANK_ANGLE
 from .words import labelled, name_of, unit_shown
 
@@ -294,7 +294,7 @@ def agreement(runs, measured) -> Agreement:
             scored = score(*curve, x, column.values)
             rows.append(Row(label, port, scored, share_within(*curve, x, column)))
             curves.append(Curve(label, k, *curve))
-        curves.append(Curve("measured", MEASURED, x, column.values, points=True))
+        curves.append(Curve("measured", NO_RUN, x, column.values, points=True))
         y_label = labelled("", unit_shown(column.unit, None)).strip()
         band = None
         if column.low is not None and column.high is not None:

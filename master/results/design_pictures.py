@@ -100,12 +100,12 @@ def draw_search(history: Sequence[tuple[float, float]], tolerance: float, path: 
     """
     drawn, panel = subplots(figsize=(7.0, 3.6))
     value = 100.0 * np.array([abs(one) for one, _ in history])
-    kept = np.array([slack >= -tolerance for _, slack in history])
+    feasible = np.array([slack >= -tolerance for _, slack in history])
     number = np.arange(len(history))
     shown = value <= 3.0 * value[0]
     for mask, colour, label in (
-        (kept, PALETTE[0], "keeps all limits"),
-        (~kept, PALETTE[1], "exceeds a limit"),
+        (feasible, PALETTE[0], "keeps all limits"),
+        (~feasible, PALETTE[1], "exceeds a limit"),
     ):
         panel.plot(number[mask & shown], value[mask & shown], "o", color=colour, label=label)
     panel.set_xlabel("design")

@@ -73,9 +73,9 @@ def subplots(
     **options
         Options of `Figure.subplots`.
     """
-    made = Figure(figsize=figsize, layout="constrained")
-    FigureCanvasAgg(made)
-    return made, made.subplots(rows, columns, **options)
+    figure = Figure(figsize=figsize, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(rows, columns, **options)
 
 
 def stack(rows: int, height: float = 2.3) -> Any:
@@ -89,11 +89,11 @@ def stack(rows: int, height: float = 2.3) -> Any:
         Height of a panel [in].
     """
     size = (11, 1.2 + height * rows)
-    made, panels = subplots(rows, 1, sharex=True, squeeze=False, figsize=size)
+    figure, panels = subplots(rows, 1, sharex=True, squeeze=False, figsize=size)
     for panel in panels[:, 0]:
         panel.grid(alpha=0.3)
         panel.margins(x=0)
-    return made, panels[:, 0]
+    return figure, panels[:, 0]
 
 
 def add_legend(panel: Any, handles: dict[str, Any] | None = None) -> None:

@@ -85,15 +85,15 @@ def instant(results, text: str) -> float:
     crank = crank_angle(results)
     if crank is None:
         raise BadInput(f"time: expected a time such as '18 ms', got {text!r} without crank angles")
-    wanted = to_si(text, "rad")
+    angle = to_si(text, "rad")
     first, *_, last = crank.angle
-    if not first - 1e-9 <= wanted <= last + 1e-9:
-        wanted = _moved(wanted, results, crank.angle)
-    if not first - 1e-9 <= wanted <= last + 1e-9:
+    if not first - 1e-9 <= angle <= last + 1e-9:
+        angle = _moved(angle, results, crank.angle)
+    if not first - 1e-9 <= angle <= last + 1e-9:
         low, high = np.degrees([first, last])
         ends = f"{low:.6g} to {high:.6g} deg"
         raise BadInput(f"time: expected a crank angle of the run, {ends}, got {text!r}")
-    return float(np.interp(wanted, crank.angle, crank.time))
+    return float(np.interp(angle, crank.angle, crank.time))
 
 
 def _moved(wanted, results, values):

@@ -37,7 +37,7 @@ UNITS = {"Pa": "MPa", "m": "um"}
 """Default units of the other fields of a film, by their SI units."""
 ROUND = ((1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 7), (1, 1.5, 2, 3, 5, 7), (1, 2, 5), (1, 3))
 """Digits of contours, from the closest choice to the widest."""
-MOST = 10
+MOST_CONTOURS = 10
 """Number of contours below which a choice is taken."""
 
 
@@ -109,7 +109,7 @@ def contour_levels(low: float, high: float) -> list[float]:
     for digits in ROUND:
         values = [float(f"{digit * 10.0**power:.2g}") for power in range(-3, 5) for digit in digits]
         levels = sorted(value for value in values if low < value < high)
-        if len(levels) < MOST:
+        if len(levels) < MOST_CONTOURS:
             break
     return levels
 
@@ -147,9 +147,9 @@ def field_map(case, results, port: str, time: str | float, units: Mapping[str, s
         when = instant_text(results, fields[kind][1].time)
     layers = {}
     for one, (name, field) in fields.items():
-        wanted = units.get(name) or (None if name == port else UNITS.get(field.unit))
-        values, unit = scaled(field.values, field.unit, wanted)
-        layers[one] = Layer(masked(values, results.there(name)), unit)
+        target_unit = units.get(name) or (None if name == port else UNITS.get(field.unit))
+        values, unit = scaled(field.values, field.unit, target_unit)
+        layers[one] = Layer(masked(values, results.existing_cells(name)), unit)
     shape = layers[kind].values.shape
     fitting = {one: layer for one, layer in layers.items() if layer.values.shape == shape}
     return FieldMap(labelled(name_of(port), layers[kind].unit), kind, axes, when, fitting)
@@ -178,9 +178,9 @@ def _others(case, results, port, axes) -> dict[str, str]:
     return chosen
 
 
-def masked(image, there) -> np.ma.MaskedArray:
-    """Mask the cells that the field does not have."""
-    return np.ma.array(image, mask=np.zeros(np.shape(image), bool) if there is None else ~there)
+def masked(image, exists) -> np.ma.MaskedArray:
+    """Mask the cells that do not exist; `exists` as of `Results.existing_cells`."""
+    return np.ma.array(image, mask=np.zeros(np.shape(image), bool) if exists is None else ~exists)
 
 
 class MapRow(NamedTuple):

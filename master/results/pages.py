@@ -38,7 +38,7 @@ def write_page(path: Path, template: str, data: dict[str, Any], **content: Any) 
     template : str
         Name of a file in templates.
     data : dict
-        What the scripts of the page draw.
+        Data that the scripts of the page draw.
     **content
         Values of the template.
     """

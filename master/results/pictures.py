@@ -39,7 +39,7 @@ PALETTE_DARK = ("#2f8fd0", "#f27d33", "#12c494", "#e59ac4", "#f2c14e", "#a6d8f7"
 WINDOW = "#009e73"
 MOST_TICKED = 1440
 """Longest range of crank angle with a tick every 90 deg [deg]."""
-LETTERS = 9
+LETTERS_PER_INCH = 9
 """Number of letters per inch of a title; longer titles have a second line."""
 
 
@@ -114,7 +114,7 @@ def figures(case, runs):
             continue
         figure = DRAWN[picture.kind](case, picture, runs)
         width, _ = figure.get_size_inches()
-        figure.suptitle(textwrap.fill(picture.title, int(LETTERS * width)))
+        figure.suptitle(textwrap.fill(picture.title, int(LETTERS_PER_INCH * width)))
         yield picture, figure
 
 
@@ -156,7 +156,7 @@ def draw_chart(panel, chart: Chart):
         style = ("." if curve.points else "") + LINES[curve.dash]
         panel.plot(curve.x, curve.y, style, color=colour, lw=1.2, ms=4, label=curve.name)
     for band in chart.bands:
-        panel.axhspan(band.low, band.high, color=WINDOW, alpha=0.16, lw=0, label=band.said)
+        panel.axhspan(band.low, band.high, color=WINDOW, alpha=0.16, lw=0, label=band.text)
     for one in chart.extremes:
         panel.plot(one.x, one.y, SIGNS[one.sign][0], mfc="none", mec="black", ms=8, mew=1.4)
         colour = PALETTE[one.run % len(PALETTE)]
@@ -215,9 +215,9 @@ FAINT = withStroke(linewidth=2, foreground="white", alpha=0.35)
 """Edges of lines, which are visible on dark colours."""
 SIGNS = {"ring": ("o", "thinnest film"), "cross": ("+", "highest pressure")}
 """Marker and legend of each mark."""
-MARGIN = 0.04
+LABEL_MARGIN = 0.04
 """Distance of labels from the frame of a map, relative to its size."""
-APART = (0.10, 0.06)
+LABEL_DISTANCE = (0.10, 0.06)
 """Least distance of the labels of contours, relative to the size of a map."""
 
 
@@ -343,16 +343,16 @@ def _label_contours(panel, drawn, box, taken):
     placed = [share + (x, y) for share in taken for x in (-0.06, 0, 0.06) for y in (-0.07, 0, 0.07)]
     for k, (level, path) in enumerate(zip(drawn.levels, drawn.get_paths())):
         points = (path.vertices - low) / size
-        inside = ((points > MARGIN) & (points < 1 - MARGIN)).all(axis=1)
+        inside = ((points > LABEL_MARGIN) & (points < 1 - LABEL_MARGIN)).all(axis=1)
         free = [
             point
             for point in points[inside]
-            if all((np.abs(point - other) > APART).any() for other in placed)
+            if all((np.abs(point - other) > LABEL_DISTANCE).any() for other in placed)
         ]
         if not free:
             continue
-        wanted = 0.15 + 0.11 * (k % 3)
-        chosen = min(free, key=lambda point: abs(point[0] - wanted))
+        distance = 0.15 + 0.11 * (k % 3)
+        chosen = min(free, key=lambda point: abs(point[0] - distance))
         placed.append(chosen)
         style = {"fontsize": 7, "color": FILM, "ha": "center", "va": "center", "clip_on": True}
         panel.text(*(low + chosen * size), f"{level:g}", path_effects=[HALO], **style)

@@ -63,7 +63,7 @@ class Plots:
             Abscissa. Default: crank angle, or time in a case without a crank.
         """
         x = x or self._abscissa()
-        self._known([*ports, *([x] if x != "time" else [])], self._results.ports)
+        self._check_ports([*ports, *([x] if x != "time" else [])], self._results.ports)
         y = [[port] for port in ports]
         picture = _picture("lines", x=ports[0], y=y, units=units or {})
         return self._drawn(picture.model_copy(update={"x": x}), beside)
@@ -76,7 +76,7 @@ class Plots:
         beside: "dict[str, Recorded] | None" = None,
     ) -> "Figure":
         """Draw maps of recorded fields at the instant nearest to `time` ("18 ms"), a row each."""
-        self._known(ports, self._results.recorded)
+        self._check_ports(ports, self._results.recorded)
         chosen = dict(fields=list(ports), time=time, units=units or {})
         return self._drawn(_picture("map", **chosen), beside)
 
@@ -90,7 +90,7 @@ class Plots:
         beside: "dict[str, Recorded] | None" = None,
     ) -> "Figure":
         """Draw recorded fields at `time` along the first index, at share `height` of the second."""
-        self._known(ports, self._results.recorded)
+        self._check_ports(ports, self._results.recorded)
         where = dict(fields=list(ports), time=time, height=height, angles=angles)
         return self._drawn(_picture("section", **where, units=units or {}), beside)
 
@@ -98,11 +98,11 @@ class Plots:
         port = crank_angle_port(self._case)
         return port if port is not None and port in self._results.ports else "time"
 
-    def _known(self, ports: Any, known: list[str]) -> None:
+    def _check_ports(self, ports: Any, known: list[str]) -> None:
         """Raise `BadInput` for ports that the file does not have."""
-        strange = [port for port in ports if port not in known]
-        if strange:
-            raise BadInput([f"plot: {unknown('variable', port, known)}" for port in strange])
+        unknown_ports = [port for port in ports if port not in known]
+        if unknown_ports:
+            raise BadInput([f"plot: {unknown('variable', port, known)}" for port in unknown_ports])
         if not ports:
             raise BadInput(f"plot: expected {names_of(known)}, got nothing")
 

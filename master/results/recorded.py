@@ -6,6 +6,7 @@ from functools import cached_property
 from math import floor
 from pathlib import Path
 from typing import Any, NamedTuple, Self
+from warnings import warn
 
 import h5py
 import numpy as np
@@ -85,7 +86,7 @@ class TrimmedDataset:
         return self._dataset[(rows, *others)]
 
 
-NEAR = 1e-6
+ROW_TOLERANCE = 1e-6
 """Share of a period by which a row may miss its beginning due to round-off."""
 SLASH = "\u2215"
 """Character that replaces / in the names of datasets, because HDF5 uses / for groups."""
@@ -143,16 +144,16 @@ class Recorded:
         if shown := written.get("shown"):
             self._show(shown)
             passed = (self._times[self._first_row] - self._times[0]) / self.period
-            self._zero_row = self._row(self._times[0] + floor(passed + NEAR) * self.period)
+            self._zero_row = self._row(self._times[0] + floor(passed + ROW_TOLERANCE) * self.period)
 
     def _row(self, time: float) -> int:
         """Return the first row at or after a time of the file [s], within round-off."""
-        return int(np.searchsorted(self._times, time - NEAR * self.period))
+        return int(np.searchsorted(self._times, time - ROW_TOLERANCE * self.period))
 
     def _show(self, periods: int):
         """Show the last periods, or the whole run if it is shorter than one."""
         begin, end = self._times[0], self._times[-1]
-        cycles = floor((end - begin) / self.period + NEAR)
+        cycles = floor((end - begin) / self.period + ROW_TOLERANCE)
         self._first_row = self._row(end - min(periods, cycles) * self.period) if cycles else 0
 
     @property
@@ -276,7 +277,7 @@ class Recorded:
         """Index of the first recorded instant that is shown."""
         if not self._first_row:
             return 0
-        since = self._times[self._first_row] - NEAR * self.period
+        since = self._times[self._first_row] - ROW_TOLERANCE * self.period
         return int(np.searchsorted(self.file["fields/time"][:], since))
 
     @property
@@ -291,10 +292,10 @@ class Recorded:
         }
         return [_port(f"{owner}/{name}") for owner, group in groups.items() for name in group]
 
-    def there(self, port: str) -> np.ndarray | None:
-        """Return the mask of the cells that a field has; None if it has all, or if unknown.
+    def existing_cells(self, port: str) -> np.ndarray | None:
+        """Return whether each cell of a field exists, shape (n, m); None if all do, or if unknown.
 
-        The values of other cells, which are cut out, have no meaning.
+        A film has no cells where its surface is cut out. The values recorded there have no meaning.
         """
         masks = json.loads(self.file.attrs.get("masks", "{}"))
         owners = [port.partition(".")[0], *self._checked.axes_of(port).participants]
@@ -308,6 +309,11 @@ class Recorded:
         if mask is None or not any(shape[-2:] == np.shape(mask) for shape in shapes):
             return None
         return np.array(mask, dtype=bool)
+
+    def there(self, port: str) -> np.ndarray | None:
+        """Return `existing_cells(port)`. Deprecated."""
+        warn("Results.there: use existing_cells", DeprecationWarning, stacklevel=2)
+        return self.existing_cells(port)
 
     def dataset(self, port: str) -> Any:
         """Return a recorded field at all instants shown, shape (instants, *shape).

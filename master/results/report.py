@@ -111,7 +111,7 @@ def write_report(case, runs, folder, answers=None, special=PLAIN):
         Label -> results.
     folder : Path
     answers : dict, optional
-        Label -> main results `lines` (name -> text) and checks `verdicts` (colour, what, said).
+        Label -> main results `lines` (name -> text) and checks `verdicts` (colour, what, text).
     special : Special
         Content that depends on the kind of machine.
 
@@ -142,12 +142,12 @@ def write_report(case, runs, folder, answers=None, special=PLAIN):
 
 
 class Check(NamedTuple):
-    """Check of one or several runs with the same outcome; said : label -> text."""
+    """Check of one or several runs with the same outcome; text : label -> sentence."""
 
     colour: str
     outcome: str
     what: str
-    said: dict[str, str]
+    text: dict[str, str]
 
 
 def checks(judged) -> list[Check]:
@@ -162,7 +162,7 @@ def checks(judged) -> list[Check]:
     for label, verdicts in judged.items():
         for one in verdicts:
             check = Check(one.colour, one.outcome, one.what, {})
-            merged.setdefault((one.colour, one.what), check).said[label] = one.said
+            merged.setdefault((one.colour, one.what), check).text[label] = one.text
     return sorted(merged.values(), key=lambda check: rank.index(check.colour))
 
 
@@ -332,10 +332,10 @@ def _layer(case, kind, port, runs):
     stacks = [None if dataset is None else dataset[:] for dataset in datasets]
     largest = max(float(np.nanmax(np.abs(own))) for own in stacks if own is not None)
     pictured = {name: unit for one in case.pictures for name, unit in one.units.items()}
-    wanted = UNITS.get(kind) or pictured.get(port) or handy_unit(si, largest)
-    _, unit = scaled(0.0, si, wanted)
-    shown = [None if own is None else scaled(own, si, wanted)[0] for own in stacks]
-    there = [results.there(port) if results else None for results in holders]
+    target_unit = UNITS.get(kind) or pictured.get(port) or handy_unit(si, largest)
+    _, unit = scaled(0.0, si, target_unit)
+    shown = [None if own is None else scaled(own, si, target_unit)[0] for own in stacks]
+    cells = [results.existing_cells(port) if results else None for results in holders]
     variable = port.rpartition(".")[2].replace("_", " ")
-    data = field_data(name_of(port), unit, case.axes_of(port), shown, there)
+    data = field_data(name_of(port), unit, case.axes_of(port), shown, cells)
     return data | {"variable": variable}

@@ -8,7 +8,7 @@ import numpy as np
 
 from .packing import Columns, packed_as, packed_frames
 
-LEAST = 1e-4
+LEAST_SINGULAR_VALUE = 1e-4
 """Smallest singular value of the displacement on the page, relative to the largest one."""
 
 
@@ -129,14 +129,15 @@ def principal(solid: Solid) -> tuple[np.ndarray, np.ndarray]:
     """Return fewer modes (n, 3, r) and coordinates (instants, r) with the displacement of a body.
 
     The largest component of a mode is 1. The modes are the singular vectors of the displacement at
-    all instants, without those whose singular value is below `LEAST` of the largest one.
+    all instants, without those whose singular value is below `LEAST_SINGULAR_VALUE` of the largest
+    one.
     """
     count, size = len(solid.points), solid.modes.shape[2]
     if not size:
         return solid.modes, solid.coordinates
     basis, triangle = np.linalg.qr(solid.modes.reshape(3 * count, size))
     left, values, right = np.linalg.svd(solid.coordinates @ triangle.T, full_matrices=False)
-    large = values > LEAST * values[0]
+    large = values > LEAST_SINGULAR_VALUE * values[0]
     shapes = basis @ right[large].T
     largest = np.abs(shapes).max(axis=0, initial=0.0)
     return (shapes / largest).reshape(count, 3, -1), left[:, large] * values[large] * largest

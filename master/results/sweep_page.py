@@ -15,9 +15,9 @@ FIRST = ("friction", "minimum_film_thickness", "slap")
 """Parts of the names of the outputs that a front shows by default: abscissa, ordinate, colour."""
 MAPPED = ("minimum_film_thickness", "maximum_pressure", "friction", "slap")
 """Parts of the names of the outputs of the panels."""
-ROUNDING = 1e-12
+ZERO_TOLERANCE = 1e-12
 """Values up to this size are zero, in SI units."""
-SAME = 1e-6
+CONSTANT_RANGE = 1e-6
 """Relative range below which an output counts as constant: the accuracy of macro steps."""
 OUTCOMES = ("pass", "warning", "fail")
 """Results of a check, with which the entry `worst_check` of a row begins."""
@@ -83,7 +83,11 @@ def _drawn_entries(rows, entries) -> list[str]:
     for entry in entries:
         values = [value for row in rows if (value := _number(row, entry)) is not None]
         size = max(map(abs, values), default=0.0)
-        if len(values) == len(rows) and size > ROUNDING and np.ptp(values) > SAME * size:
+        if (
+            len(values) == len(rows)
+            and size > ZERO_TOLERANCE
+            and np.ptp(values) > CONSTANT_RANGE * size
+        ):
             drawn.append(entry)
     return drawn
 

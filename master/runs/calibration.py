@@ -6,8 +6,8 @@ Eq. (V7):  C = s^2 (J^T J)^-1,   J = dr/dp,   s^2 = max(1, sum of r_i^2 / (n - n
 y is a curve of the last period, m_i one of n measured values at x_i, and sigma_i its standard
 deviation, a quarter of the band of the file. Without a band it is unknown: then sigma_i is the
 range of the curve, and s^2 has no lower bound. The interval of a parameter at 95 % is the quantile
-t of Student times the root of the diagonal of C. Parameters whose correlation in C exceeds `ALIKE`
-cannot be told apart.
+t of Student times the root of the diagonal of C. Parameters whose correlation in C exceeds
+`LARGEST_CORRELATION` cannot be told apart.
 
 The steps are those of Gauss and Newton in a trust region, with bounds [Branch1999]. J is by
 differences of runs, which all run at the same time.
@@ -28,11 +28,11 @@ from scipy.stats import t as student
 from ..fmi.errors import BadInput, Stopped
 from .optimisation import Values, differences
 
-ALIKE = 0.95
+LARGEST_CORRELATION = 0.95
 """Correlation above which two parameters cannot be told apart: our own choice."""
-SETTLED = 1e-4
+END_TOLERANCE = 1e-4
 """Relative change of the sum of squares, and of the shares, at which the search ends."""
-UNKNOWN = 1e-10
+LEAST_SINGULAR_VALUE = 1e-10
 """Smallest share of the largest singular value of J that determines a combination of parameters."""
 
 
@@ -60,7 +60,7 @@ def calibrate(
     Parameters
     ----------
     residuals : callable
-        Of designs, Eq. (V6).
+        Residuals of designs, Eq. (V6).
     bounds : sequence of (float, float)
         Lower and upper share of each parameter.
     has_bands : bool
@@ -83,8 +83,8 @@ def calibrate(
         )
 
     def values(designs):
-        made = residuals(designs)
-        for x, one in zip(designs, made):
+        values = residuals(designs)
+        for x, one in zip(designs, values):
             if one is None:
                 raise Stopped(f"a run fails at the shares {np.round(x, 3).tolist()} of the ranges")
             if one.size != first.size:
@@ -92,7 +92,7 @@ def calibrate(
                     f"measured: expected values within all runs, got {first.size} within the case "
                     f"and {one.size} within another run"
                 )
-        return made
+        return values
 
     def at(x):
         return values([x])[0]
@@ -102,19 +102,19 @@ def calibrate(
         np.zeros(count),
         jac=lambda x: differences(values, x, at(x), bounds),  # pyright: ignore[reportArgumentType]  # its stubs know the texts alone
         bounds=np.array(bounds).T,
-        xtol=SETTLED,
-        ftol=SETTLED,
+        xtol=END_TOLERANCE,
+        ftol=END_TOLERANCE,
     )
     # Eq. (V7)
     variance = float(done.fun @ done.fun) / (first.size - count)
     scale = max(variance, 1.0) if has_bands else variance
     _, sizes, directions = np.linalg.svd(done.jac, full_matrices=False)
-    determined = sizes > UNKNOWN * max(sizes.max(), 1e-300)
+    determined = sizes > LEAST_SINGULAR_VALUE * max(sizes.max(), 1e-300)
     inverse = np.divide(1.0, sizes, out=np.zeros(count), where=determined)
     covariance = scale * (directions.T * inverse**2) @ directions
     spread = np.sqrt(np.diag(covariance))
     half_widths = student.ppf(0.975, first.size - count) * spread
-    lost = np.abs(directions[~determined]).max(axis=0, initial=0.0) > UNKNOWN
+    lost = np.abs(directions[~determined]).max(axis=0, initial=0.0) > LEAST_SINGULAR_VALUE
     half_widths[lost] = np.inf
     with np.errstate(invalid="ignore", divide="ignore"):
         related = covariance / np.outer(spread, spread)
@@ -125,7 +125,7 @@ def calibrate(
             (i, k, float(related[i, k]))
             for i in range(count)
             for k in range(i + 1, count)
-            if abs(related[i, k]) > ALIKE
+            if abs(related[i, k]) > LARGEST_CORRELATION
         ],
         before=float(np.sqrt(np.mean(first**2))),
         after=float(np.sqrt(np.mean(done.fun**2))),

@@ -10,7 +10,7 @@ from ..fmi.phases import Phase
 from ..fmi.quantities import short
 from .working import Compilation, bars
 
-REFRESH = 0.2
+REFRESH_INTERVAL = 0.2
 """Time between two progress lines [s]; choosing a unit prefix takes a millisecond."""
 
 
@@ -45,7 +45,7 @@ class Watch:
             self.start.finish()
         if now < self.next and time < stop:
             return
-        self.next = now + REFRESH
+        self.next = now + REFRESH_INTERVAL
         parts = [f"{name} {short(*pair)}" for name, pair in monitored.items()]
         parts.append(f"iterations {solution.iterations}  residual {solution.history[-1]:.0e}")
         self.show(time / stop, "  ".join(parts))

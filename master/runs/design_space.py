@@ -122,8 +122,8 @@ class DesignSpace:
     def changes(self, shares: np.ndarray) -> Changes:
         """Return the changes of the case for a vector of shares."""
         split = len(self.numbers)
-        made = [pair for one, x in zip(self.numbers, shares) if x for pair in one.changes(x)]
-        return made + (self.shapes.changes(shares[split:]) if self.shapes else [])
+        changes = [pair for one, x in zip(self.numbers, shares) if x for pair in one.changes(x)]
+        return changes + (self.shapes.changes(shares[split:]) if self.shapes else [])
 
 
 def number_of(tree: dict[str, Any], text: str, folder: Path, option: str) -> Number:
@@ -202,11 +202,11 @@ def in_units_of(known: Any, text: str, where: str, is_difference: bool = False) 
     As a difference, 5 K and 5 degC are the same.
     """
     try:
-        made = quantity(text.strip())
-        if not are_compatible(made.units, known.units):
+        value = quantity(text.strip())
+        if not are_compatible(value.units, known.units):
             raise ValueError(text)
-        number = made.m_as(known.units)
-        zero = 0.0 if not is_difference else registry().Quantity(0.0, made.units).m_as(known.units)
+        number = value.m_as(known.units)
+        zero = 0.0 if not is_difference else registry().Quantity(0.0, value.units).m_as(known.units)
         return number - zero
     except Exception:  # pint raises errors of many kinds
         raise BadInput(

@@ -8,8 +8,8 @@ change, which is Anderson's method of depth one:
 Eq. (Y3):  x <- g_k - c (g_k - g_{k-1}),   c = f_k.(f_k - f_{k-1}) / |f_k - f_{k-1}|^2,   f = g - x
 
 x and g are a member at the beginning and at the end of a cycle. c is at most 1 and at least
--FARTHEST. A member that does not slow down (c > 1 or no secant) takes c = -FARTHEST. A member
-without negative values stays so.
+-MOST_CHANGES. A member that does not slow down (c > 1 or no secant) takes c = -MOST_CHANGES. A
+member without negative values stays so.
 
 If a member then repeats worse than before the extrapolation, all participants return to the end of
 the previous cycle. After the second such return, there are no more extrapolations.
@@ -26,12 +26,12 @@ import numpy as np
 
 from ..fmi.state_bytes import slow_members, with_members
 
-FARTHEST = 30.0
+MOST_CHANGES = 30.0
 """Largest extrapolation, in changes of a cycle. A member whose change falls by 3 % per cycle
 reaches its end at once."""
 ROUND_OFF = 1e-10
 """Round-off relative to a member. Smaller changes are ignored."""
-REFUSALS = 2
+MOST_REJECTIONS = 2
 """Number of rejected extrapolations after which no more are made."""
 
 Member = tuple[str, str]
@@ -84,7 +84,7 @@ class Extrapolation:
         if self.saved_states and self.distance > self.distance_before:
             return self._take_back(participants)
         self.saved_states = {}
-        if self.taken_back >= REFUSALS:
+        if self.taken_back >= MOST_REJECTIONS:
             return ""
         moved = {
             port: extrapolated(
@@ -111,9 +111,9 @@ class Extrapolation:
         for owner, data in self.saved_states.items():
             _restore(participants[owner], data)
         self.taken_back += 1
-        said = f"relative change {self.distance:.2g} instead of {self.distance_before:.2g}"
+        change = f"relative change {self.distance:.2g} instead of {self.distance_before:.2g}"
         self.ended, self.changes, self.saved_states, self.distance = {}, {}, {}, np.inf
-        return f"rejected the extrapolation and its period: {said}"
+        return f"rejected the extrapolation and its period: {change}"
 
 
 def extrapolated(
@@ -140,8 +140,8 @@ def extrapolated(
         return end
     length = float(np.vdot(turn, turn))
     share = float(np.vdot(change, turn)) / length if length else np.inf
-    if not -FARTHEST <= share <= 1.0:
-        share = -FARTHEST
+    if not -MOST_CHANGES <= share <= 1.0:
+        share = -MOST_CHANGES
         moved = end - share * change
     else:
         moved = end - share * (end - end_before)  # Eq. (Y3)

@@ -11,7 +11,7 @@ from ..coupling.wiring import System
 from ..fmi.errors import BadInput, Discard, ParticipantFault
 from ..participants.fmi2 import FmuParticipant
 from .pool import LocalPool
-from .working import REFRESH, Compilation, bars, every
+from .working import REFRESH_INTERVAL, Compilation, bars, every
 
 
 class Rehearsal(NamedTuple):
@@ -73,14 +73,14 @@ def _rehearsal(system: System, name: str, participant: FmuParticipant) -> Rehear
     )
 
 
-def _rehearse(tell, one: Rehearsal) -> None:
+def _rehearse(send, one: Rehearsal) -> None:
     """Start a participant with its start values; take a step and a derivative if it has one."""
     compilation = Compilation(one.name)
 
     def tick() -> None:
-        tell((min(0.99, compilation.count / compilation.expected), compilation.text()))
+        send((min(0.99, compilation.count / compilation.expected), compilation.text()))
 
-    with every(REFRESH, tick), suppress(BadInput, Discard, ParticipantFault):
+    with every(REFRESH_INTERVAL, tick), suppress(BadInput, Discard, ParticipantFault):
         participant = FmuParticipant(one.name, one.path)
         participant.start(one.parameters, one.begin, one.begin + one.step)
         participant.step(one.begin, one.step)
@@ -89,4 +89,4 @@ def _rehearse(tell, one: Rehearsal) -> None:
             participant.derivative(seeds, one.outputs)
         participant.close()
     compilation.finish()
-    tell((1.0, ""))
+    send((1.0, ""))

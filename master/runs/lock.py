@@ -29,13 +29,13 @@ def sole_writer(output):
         If another process holds it, with its id and the time.
     """
     path = lock_path(output)
-    made = [folder for folder in path.parents if not folder.exists()]
-    handle = _held(path, output)
+    missing = [folder for folder in path.parents if not folder.exists()]
+    handle = _locked_file(path, output)
 
     def release():
         path.unlink(missing_ok=True)
         with suppress(OSError):  # not empty
-            for folder in made:
+            for folder in missing:
                 folder.rmdir()
 
     try:
@@ -45,7 +45,7 @@ def sole_writer(output):
         os.close(handle)
 
 
-def _held(path, output):
+def _locked_file(path, output):
     """Return the handle of the locked lock file."""
     while True:
         try:

@@ -8,9 +8,10 @@ A limit of zero is divided by |f(0)| instead.
 f is a figure of a run, s is 1 if less is better and -1 if more is better; points are the operating
 points of the engine. A limit without a value is the figure of the case itself at this point.
 
-Gradients are differences of runs over `STEP` of a variable's share, which all run at the same time.
-Sequential quadratic programming [Kraft1988] takes them. Runs scatter, so the result is the best
-design of all that keep the limits to `TOLERANCE`, not the last one. Designs that fail count as bad.
+Gradients are differences of runs over `GRADIENT_STEP` of a variable's share. These runs are
+simultaneous. Sequential quadratic programming [Kraft1988] uses the gradients. Runs scatter, so the
+result is not the last design. It is the best of all that keep the limits to `LIMIT_TOLERANCE`. A
+design that fails has the objective `FAILED_OBJECTIVE`.
 
 References
 ----------
@@ -30,15 +31,15 @@ from ..results.words import words_and_unit
 from .design_space import Changes
 from .sensitivities import Row, Runs
 
-STEP = 0.05
+GRADIENT_STEP = 0.05
 """Difference of a share for a gradient: a compromise of curvature and scatter of runs."""
-TOLERANCE = 2e-3
+LIMIT_TOLERANCE = 2e-3
 """Relative excess over a limit that counts as none; runs that settle to 1e-3 scatter by less."""
-CLOSE = 1e-2
+ACTIVE_DISTANCE = 1e-2
 """Relative distance up to which a limit counts as active."""
-SETTLED = 1e-4
+END_TOLERANCE = 1e-4
 """Change of J in an iteration at which the search ends."""
-BAD = 10.0
+FAILED_OBJECTIVE = 10.0
 """J of a design whose run fails; that of the case itself is 1 or -1."""
 
 Values = Callable[[Sequence[np.ndarray]], Sequence[np.ndarray | None]]
@@ -94,7 +95,7 @@ def limit_of(text: str, directions: Mapping[str, str]) -> Limit:
 
 @dataclass(frozen=True)
 class Task:
-    """What to optimise.
+    """Task of an optimisation.
 
     goal : figure; sign : 1 if less is better, -1 if more; limits; points : changes of the case at
     each operating point; bounds : lower and upper share of each variable; gradients : at most.
@@ -203,7 +204,7 @@ class Search:
             (value,) = self.values([x])
             if value is None:
                 count = len(self.task.limits) * len(self.task.points)
-                value = np.array([BAD] + [-1.0] * count)
+                value = np.array([FAILED_OBJECTIVE] + [-1.0] * count)
             self.known[key] = value
             self.history.append(Trial(x.copy(), float(value[0]), float(value[1:].min(initial=0.0))))
             self.watch(*self.history[-1][1:])
@@ -236,7 +237,7 @@ def differences(
     ndarray, shape (m, n)
         0 for a variable whose run fails.
     """
-    steps = np.where(x + STEP <= np.array(bounds)[:, 1], STEP, -STEP)
+    steps = np.where(x + GRADIENT_STEP <= np.array(bounds)[:, 1], GRADIENT_STEP, -GRADIENT_STEP)
     moved = values([*(x + np.diag(steps))])
     changes = [(here if one is None else one) - here for one in moved]
     return np.stack(changes, axis=1) / steps  # rows without strides, which SLSQP misreads
@@ -266,12 +267,12 @@ def optimise(search: Search) -> Optimum:
         method="SLSQP",
         bounds=task.bounds,
         constraints=[within] if task.limits else [],
-        options={"maxiter": task.gradients, "ftol": SETTLED},
+        options={"maxiter": task.gradients, "ftol": END_TOLERANCE},
     )
-    kept = [one for one in search.history if one.slack >= -TOLERANCE]
+    feasible = [one for one in search.history if one.slack >= -LIMIT_TOLERANCE]
     best, after, slack = (
-        min(kept, key=lambda one: one.value)
-        if kept
+        min(feasible, key=lambda one: one.value)
+        if feasible
         else max(search.history, key=lambda one: (one.slack, -one.value))
     )
     return Optimum(
@@ -289,8 +290,13 @@ def optimise(search: Search) -> Optimum:
 def _active(search, x):
     """Return the active limits with their multipliers: grad J = sum of multiplier grad g."""
     task, slack, slopes = search.task, search.at(x)[1:], search.slope(x)
-    free = np.array([low + STEP < one < high - STEP for one, (low, high) in zip(x, task.bounds)])
-    active = [k for k, one in enumerate(slack) if one <= CLOSE]
+    free = np.array(
+        [
+            low + GRADIENT_STEP < one < high - GRADIENT_STEP
+            for one, (low, high) in zip(x, task.bounds)
+        ]
+    )
+    active = [k for k, one in enumerate(slack) if one <= ACTIVE_DISTANCE]
     if not active or not free.any():
         return []
     multipliers, _ = nnls(slopes[1:][active][:, free].T, slopes[0, free])

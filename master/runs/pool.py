@@ -45,14 +45,14 @@ class LocalPool(ThreadPoolExecutor):
         return super().submit(self._call, None, fn, args, kwargs)
 
     def share(self, listener, fn, calls):
-        """Return completed `Future`s of `fn(tell, argument)`, by label.
+        """Return completed `Future`s of `fn(send, argument)`, by label.
 
         This process makes the first call, because it has already imported what the call needs.
 
         Parameters
         ----------
         listener : callable(label, data)
-            Called with the arguments of `tell`, in any thread.
+            Called with the arguments of `send`, in any thread.
         fn : callable
             Function of a module of this package.
         calls : dict
@@ -145,7 +145,7 @@ def _serve(pipe):
         except (EOFError, OSError):
             return
         try:
-            listener = (partial(_tell, pipe, threading.Lock()),) if has_listener else ()
+            listener = (partial(_send, pipe, threading.Lock()),) if has_listener else ()
             answer = False, function(*listener, *arguments, **named)
         except Exception as error:
             if has_listener:  # a bug: shared calls return faults
@@ -154,6 +154,6 @@ def _serve(pipe):
         pipe.send(answer)
 
 
-def _tell(pipe, lock, data):
+def _send(pipe, lock, data):
     with lock, suppress(OSError):  # the command may have ended
         pipe.send((INTERMEDIATE, data))

@@ -41,13 +41,13 @@ from ..fmi.errors import BadInput, Stopped
 from ..results.coordinates import CRANK_ANGLE, crank_angle_port, dimensions, distinct, names_taken
 from ..results.recorded import dataset_path, open_unfinished
 
-ROOM = 2**18
+DISK_MARGIN = 2**18
 """Space that HDF5 may need for its own data between two checks of the disk [bytes]."""
 
 
-CHUNK = 1024
+ROWS_PER_CHUNK = 1024
 """Rows of a series in one chunk of the file."""
-INSTANTS = 20
+MOST_RECORDS = 20
 """Maximum number of records of fields in memory."""
 LONGEST_WAIT = 1.0
 """Longest time that a row stays in memory during the run [s]."""
@@ -57,7 +57,7 @@ UNRECORDED = ("Binary", "Clock")
 """Types that are not recorded."""
 LARGEST_CHARACTER = 4
 """Bytes of the longest character in UTF-8."""
-EXACT = 2**53
+LARGEST_INTEGERS = 2**53
 """Largest range of integers that floats represent."""
 
 
@@ -85,7 +85,7 @@ def reserve(path, size):
         os.posix_fallocate(file.fileno(), 0, size)
 
 
-NEAR = 1e-6
+TIME_TOLERANCE = 1e-6
 """Share of an interval by which a macro step may miss its multiple due to round-off."""
 
 
@@ -117,14 +117,14 @@ class Schedule:
             return None
         self._last = passed
         multiple = self.begin + passed * self.interval
-        return multiple if abs(time - multiple) <= NEAR * self.interval else time
+        return multiple if abs(time - multiple) <= TIME_TOLERANCE * self.interval else time
 
     def is_due(self, row: int, time: float) -> bool:
         """Return whether a row has a record of the fields."""
         return self._passed(time) > self._last if self.interval else row % self.every == 0
 
     def _passed(self, time: float) -> int:
-        return floor((time - self.begin) / self.interval + NEAR)
+        return floor((time - self.begin) / self.interval + TIME_TOLERANCE)
 
 
 class Recorder:
@@ -153,13 +153,13 @@ class Recorder:
         self.case = case
         self.schedule = schedule
         self.ports = recorded_ports(case, participants)
-        self.flush_every = INSTANTS if self.ports else CHUNK
+        self.flush_every = MOST_RECORDS if self.ports else ROWS_PER_CHUNK
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        fresh = self.partial.with_name(self.partial.name + ".new")
+        temporary = self.partial.with_name(self.partial.name + ".new")
         taken_over = self.partial.stat().st_size if rows else 0
         # detect a full disk here, because HDF5 cannot handle a failed write
-        reserve(fresh, ROOM + taken_over)
-        self.file: Any = h5py.File(fresh, "w", libver="latest")
+        reserve(temporary, DISK_MARGIN + taken_over)
+        self.file: Any = h5py.File(temporary, "w", libver="latest")
         self.file.attrs.update(attributes)
         self.scalars = {
             name: [
@@ -187,11 +187,11 @@ class Recorder:
         self._make_datasets()
         self._forget()
         self._reserved = 0
-        self._need = ROOM + self._largest_growth()
-        self._reserve(fresh, taken_over)
+        self._need = DISK_MARGIN + self._largest_growth()
+        self._reserve(temporary, taken_over)
         if rows:
             self._take_over()
-        os.replace(fresh, self.partial)
+        os.replace(temporary, self.partial)
         self.file.swmr_mode = True
         self.undefined = self.not_finite(self.schedule.begin)
         """Values of outputs that are not finite when the recorder begins: port -> value."""
@@ -237,14 +237,14 @@ class Recorder:
         """Return the dataset with the positions of a dimension, created at its first use."""
         path = f"fields/{dimension.name}"
         if path not in self.file:
-            made = self.file.create_dataset(path, data=dimension.positions)
-            made.attrs.update({"unit": dimension.unit, "description": dimension.description})
-            made.make_scale(dimension.name)
+            scale = self.file.create_dataset(path, data=dimension.positions)
+            scale.attrs.update({"unit": dimension.unit, "description": dimension.description})
+            scale.make_scale(dimension.name)
         return self.file[path]
 
     def _series(self, those, name, unit, description, shape=(), kind: Any = float):
         """Create a dataset along `time`, and add it to `those`."""
-        chunk = (1, *shape) if shape else (CHUNK,)
+        chunk = (1, *shape) if shape else (ROWS_PER_CHUNK,)
         dataset = self.file.create_dataset(
             name,
             (0, *shape),
@@ -385,7 +385,7 @@ class Recorder:
             self._instants += arrays
             self._records += 1
         self.rows += 1
-        last = self.rows - self._flushed >= CHUNK or self._records >= self.flush_every
+        last = self.rows - self._flushed >= ROWS_PER_CHUNK or self._records >= self.flush_every
         if last or clock.perf_counter() > self._flush_at:
             self.flush()
         return row
@@ -395,7 +395,7 @@ class Recorder:
         self.flush()
         self.close()
         extremes = envelopes.values(self.participants)
-        more = ROOM + sum(values.nbytes for values in extremes.values())
+        more = DISK_MARGIN + sum(values.nbytes for values in extremes.values())
         reserve(self.partial, self.partial.stat().st_size + more)
         with h5py.File(self.partial, "a") as file:
             file.attrs["summary"] = json.dumps(summary)
@@ -450,7 +450,7 @@ def type_of(field) -> Any:
     if field.type == "String":
         return TEXT
     low, high = getattr(field, "whole_numbers", None) or (0, 0)
-    if field.type != "Integer" or high - low < EXACT:
+    if field.type != "Integer" or high - low < LARGEST_INTEGERS:
         return float
     return np.int64 if low else np.uint64
 

@@ -25,7 +25,7 @@ NO_NEARER = 3
 """Periods without a smaller change after which the change is reported as no longer decreasing. A
 rejected extrapolation costs one period, and the change may increase in single periods.
 """
-SHOWN = 4
+MOST_LISTED = 4
 """Number of fields that are listed if a run is not periodic."""
 
 
@@ -121,9 +121,9 @@ class Repetition:
         if self.extrapolation is None:
             return ""
         before = self.extrapolation.taken_back
-        said = self.extrapolation.proceed(participants)
+        message = self.extrapolation.proceed(participants)
         self.count -= self.extrapolation.taken_back - before
-        return said
+        return message
 
     def sentence(self) -> str:
         """Return a description of the last period."""
@@ -165,10 +165,10 @@ class Repetition:
         farthest = sorted(self.distance_of, key=self.distance_of.__getitem__, reverse=True)
         fields = ", ".join(
             f"{'.'.join(port)} {self.distance_of[port]:.2g}"
-            for port in farthest[:SHOWN]
+            for port in farthest[:MOST_LISTED]
             if self.distance_of[port] > self.tolerance
         )
-        rest = sum(value > self.tolerance for value in self.distance_of.values()) - SHOWN
+        rest = sum(value > self.tolerance for value in self.distance_of.values()) - MOST_LISTED
         fields += f" and {rest} more" if rest > 0 else ""
         if self.no_nearer >= NO_NEARER:
             return f"The change no longer decreases: {fields}"

@@ -35,7 +35,7 @@ from ..coupling.work import InterfaceWork
 from ..fmi.errors import BadInput, Finished, NotFinite
 from ..participants.fmi2 import ParticipantFault
 from ..participants.plain import NotPlain
-from ..participants.plugins import made
+from ..participants.plugins import from_plugin
 from ..participants.warned import LoggedWarning, merged
 from .checkpoint import (
     Account,
@@ -84,7 +84,7 @@ def run(
         Results file.
     watch : callable(time, stop, solution, monitored)
         Called after every macro step. `monitored` maps the case's monitor names to (value, unit).
-        Its optional `hold(heard)` may pause the run until a signal arrives.
+        Its optional `hold(received)` may pause the run until a signal arrives.
     begin_at : Checkpoint, optional
         Checkpoint to resume from. Default: run from the start.
     say : callable(line)
@@ -112,7 +112,7 @@ def run(
     participants = system.participants.values()
     with (
         sole_writer(output) as release,
-        listening(release) as heard,
+        listening(release) as received,
         closing(participants, say),
     ):
         try:
@@ -134,7 +134,7 @@ def run(
             own = {"begin_at": begin_at, "objected": objected}
             active = ActiveRun(negotiated, case, tree, output, watch, log, **own)
             try:
-                return active.go(heard)
+                return active.go(received)
             finally:
                 active.close()
                 later = [one for one in logged_warnings(system) if one[1].time is not None]
@@ -214,7 +214,7 @@ class ActiveRun(Observer):
             self.account.spent["recording"] = 0.0
         self.monitors = monitors(case, system)
         self.observers = [
-            made("observers", name, options, system, output)
+            from_plugin("observers", name, options, system, output)
             for name, options in case.observers.items()
         ]
         self.parts = []
@@ -271,7 +271,7 @@ class ActiveRun(Observer):
         rows = self.account.rows
         return Recorder(self.output, participants, self.case, attributes, schedule, rows)
 
-    def go(self, heard):
+    def go(self, received):
         """Run all periods, and return the summary.
 
         The run ends at the stop time or once it is periodic. It also ends after the macro step
@@ -282,9 +282,9 @@ class ActiveRun(Observer):
             for port, value in self.recorder.undefined.items():
                 self.stepper.warn(port, f"expected a finite output, got {value}", None)
             self.recorder.write(self.system.begin)
-        ended = self._period(heard)
+        ended = self._period(received)
         while not ended and self._goes_on():
-            ended = self._period(heard)
+            ended = self._period(received)
         if ended and not self.account.counters.steps:
             raise StepFailed(f"{ended}, before its first macro step is complete")
         summary = summarise(self.account, self.stepper.control, clock.perf_counter() - self.begin)
@@ -303,7 +303,7 @@ class ActiveRun(Observer):
         Checkpoint.path(self.output).unlink(missing_ok=True)
         return summary
 
-    def _period(self, heard):
+    def _period(self, received):
         """Run the rest of a period; return which participant ends the run, or ""."""
         account = self.account
         end = self._end_of_period
@@ -313,10 +313,10 @@ class ActiveRun(Observer):
             if ended := self._advance(before, after - before):
                 return ended
             account.steps_done = k + 1
-            heard.stepped = True
-            if heard.signal or self.is_due(k + 1):
+            received.stepped = True
+            if received.signal or self.is_due(k + 1):
                 self.write_checkpoint()
-            if heard.signal and k + 1 < end:
+            if received.signal and k + 1 < end:
                 raise Interrupted(self.output, after)
         return ""
 
@@ -517,7 +517,7 @@ def _step_control(system, coupling):
     if coupling.step_control is None:
         return step_control(system.wires, system.smallest_step)
     arguments = system.wires, system.smallest_step, coupling.options
-    return made("step_controls", coupling.step_control, *arguments)
+    return from_plugin("step_controls", coupling.step_control, *arguments)
 
 
 def monitors(case, system):

@@ -8,14 +8,14 @@ from ..case.contract import interface, players
 from ..fmi.errors import BadInput
 from ..fmi.quantities import times
 
-COARSER = sqrt(2.0)
+COARSENING = sqrt(2.0)
 """Cells of the grid over those of the second one, in each direction."""
 GRID_SAFETY = 3.0
 """Factor of safety on the difference between two grids [Roache1994]. If their ratio is 1.41, it is
 the factor of an order of 2 with the safety 3, and that of an order of 1 with the safety 1.25."""
 
 
-FEWEST = 6
+FEWEST_CELLS = 6
 """Fewest cells of a direction that a second grid can have fewer of: it has at least 4."""
 
 
@@ -31,8 +31,8 @@ def coarser(tree: dict[str, Any]) -> dict[str, Any]:
 
     Raises `BadInput` if a film has no grid or few cells, or if all of them keep theirs.
     """
-    made = deepcopy(tree)
-    tables = made["participants"]
+    coarser = deepcopy(tree)
+    tables = coarser["participants"]
     films, unrefined, ratio = players(tree, "lubrication"), kept_films(tree), ratio_of(tree)
     lacking = [name for name in films if "grid" not in tables[name].get("build", {})]
     if lacking or not films:
@@ -45,15 +45,15 @@ def coarser(tree: dict[str, Any]) -> dict[str, Any]:
     for name, table in tables.items():
         build = table.get("build", {})
         if "grid" in build and name not in unrefined:
-            if min(build["grid"]) < FEWEST:
+            if min(build["grid"]) < FEWEST_CELLS:
                 raise BadInput(
-                    f"{name}.build.grid: expected at least {FEWEST} cells in each direction, "
+                    f"{name}.build.grid: expected at least {FEWEST_CELLS} cells in each direction, "
                     f"got {build['grid']}"
                 )
             build["grid"] = [max(4, 2 * round(n / ratio / 2)) for n in build["grid"]]
     for body, build in _banded(tree).items():
-        _scale_bands(made, body, build["grid"][1])
-    return made
+        _scale_bands(coarser, body, build["grid"][1])
+    return coarser
 
 
 def _scale_bands(made, body, rows):
@@ -79,7 +79,7 @@ def fitting_rows(rows: int, edges: list[int]) -> int:
 
     def misfit(count):
         error = max(abs(edge * count / rows - round(edge * count / rows)) for edge in edges)
-        return round(error, 3), abs(rows / count - COARSER)
+        return round(error, 3), abs(rows / count - COARSENING)
 
     return min(range(ceil(rows / 2), int(rows / 1.25) + 1), key=misfit)
 
@@ -125,7 +125,7 @@ def _edges(build):
 def ratio_of(tree: dict[str, Any]) -> float:
     """Return the cells of the grid over those of the second one, in each direction."""
     grids = [(build["grid"][1], _edges(build)) for build in _banded(tree).values()]
-    return min((rows / fitting_rows(rows, edges) for rows, edges in grids), default=COARSER)
+    return min((rows / fitting_rows(rows, edges) for rows, edges in grids), default=COARSENING)
 
 
 def grid_safety(ratio: float) -> float:

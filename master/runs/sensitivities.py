@@ -45,7 +45,7 @@ class Sensitivity:
 
 @dataclass(frozen=True)
 class Runs:
-    """How designs are run.
+    """Settings for the runs of designs.
 
     tree : resolved TOML tree of the case; path : of its file; space : variables; folder : of the
     rows; executor : as for `sweep.sweep`; watch : called with number done, number of all, and the
@@ -91,14 +91,16 @@ class Runs:
         waiting = sweeps.unfinished(points, self.folder, uncertainty)
         sweeps.build_all(waiting, self.path.parent, lambda text: None)
 
-        def keep(rows, ended):
+        def after_run(rows, ended):
             self.watch(len(rows), len(points), rows[ended[0]])
             for k in ended if not self.keeps else ():
                 (folder / f"{points[k].name}.h5").unlink(missing_ok=True)
 
         case_folder = self.path.parent
         with writing(folder):
-            rows = sweeps.rows_of(points, case_folder, folder, self.executor, keep, uncertainty)
+            rows = sweeps.rows_of_points(
+                points, case_folder, folder, self.executor, after_run, uncertainty
+            )
         return [row | {"results": folder / f"{p.name}.h5"} for row, p in zip(rows, points)]
 
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from types import SimpleNamespace
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
-GRACE = 0.7
+GRACE_PERIOD = 0.7
 """Time after which a command ends if it does not react to a signal [s]."""
 EXIT_CODE = 1
 """Exit code of a stopped command."""
@@ -25,13 +25,13 @@ such processes. `clean`: is called before the command exits."""
 
 @contextmanager
 def ending_soon():
-    """End the command within `GRACE` after a signal.
+    """End the command within `GRACE_PERIOD` after a signal.
 
     The signal raises KeyboardInterrupt; if that does not end the command, the process exits.
     """
 
     def ended(number: int, count: int) -> None:
-        timer = threading.Timer(0.0 if count > 1 else GRACE, _exit, [number])
+        timer = threading.Timer(0.0 if count > 1 else GRACE_PERIOD, _exit, [number])
         timer.daemon = True
         timer.start()
 
@@ -59,24 +59,24 @@ def listening(clean: Callable[[], object] = lambda: None):
     clean : callable
         Called before a command ends that has not `stepped`.
     """
-    heard = SimpleNamespace(signal=None, stepped=False)
+    received = SimpleNamespace(signal=None, stepped=False)
     if threading.current_thread() is not threading.main_thread():
-        yield heard
+        yield received
         return
 
     def note(number, frame):
-        heard.signal = number
+        received.signal = number
 
     def react(number: int, count: int) -> None:
         _command.forward(count)
-        if _command.runs and not heard.stepped:
+        if _command.runs and not received.stepped:
             _exit(number)
         _stop(number, count)
 
     _command.clean = clean
     try:
         with _watched(note, react):
-            yield heard
+            yield received
     finally:
         _command.clean = lambda: None
 
@@ -96,25 +96,25 @@ def forwarding(send: Callable[[int], object]):
         Sends a signal to all processes. The first signal is sent as SIGTERM. The second one kills
         them and ends this process.
     """
-    heard = SimpleNamespace(signal=None, stepped=False)
+    received = SimpleNamespace(signal=None, stepped=False)
 
     def forward(count: int) -> None:
         send(signal.SIGTERM if count == 1 else signal.SIGKILL)
 
     def react(number: int, count: int) -> None:
-        heard.signal = number
+        received.signal = number
         forward(count)
-        if heard.stepped or count > 1:
+        if received.stepped or count > 1:
             _stop(number, count)
 
     _command.forward = forward
     try:
         with _watched(lambda number, frame: None, react):
-            yield heard
+            yield received
     finally:
         _command.forward = lambda count: None
-    if heard.signal and not heard.stepped:
-        _exit(heard.signal)
+    if received.signal and not received.stepped:
+        _exit(received.signal)
 
 
 def _stop(number: int, count: int) -> None:

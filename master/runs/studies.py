@@ -11,7 +11,7 @@ from ..case.reading import read_tree
 from ..fmi.errors import BadInput, unknown
 from ..results.compare import score
 from ..results.file import Results
-from .sweep import resolved
+from .sweep import checked_points
 
 
 class Cost(NamedTuple):
@@ -45,8 +45,8 @@ class StudyRow:
         """Return a row of the CSV file, name -> value."""
         cost = self.cost._asdict() if self.cost else {}
         distances = {f"rms {port}": value for port, value in self.distances.items()}
-        said = cost | self.summary | distances | self.truncation
-        return {"run": self.run, "status": self.status} | said
+        row = cost | self.summary | distances | self.truncation
+        return {"run": self.run, "status": self.status} | row
 
 
 def study_points(path, changes, name):
@@ -62,11 +62,11 @@ def study_points(path, changes, name):
         hint = "" if case.studies else f"; add a table studies.{name}, see `keys studies`"
         raise BadInput(f"study: {unknown('study', name, case.studies)}{hint}")
     study = case.studies[name]
-    points = resolved(
+    points = checked_points(
         path,
         [
-            ({"run": label}, [*study.set.items(), *made.items(), *changes])
-            for label, made in study.points.items()
+            ({"run": label}, [*study.set.items(), *changes_of_run.items(), *changes])
+            for label, changes_of_run in study.points.items()
         ],
     )
     return case, study, points

@@ -40,14 +40,18 @@ class Axis:
 
 
 AXIS_FORMS = "KEY=LOW..HIGH:COUNT or KEY=VALUE;VALUE"
-MOST_VALUES = 100_000
+MOST_VALUES_OF_RANGE = 100_000
 """Maximum number of values in a range."""
+MOST_VALUES_CHECKED = 20
+"""Number of values of an axis up to which all of them are checked before a sweep."""
+SECOND_GRID_COLUMN = "second_grid"
+"""Column that is true for points whose uncertainties come from a second grid and doubled steps."""
 
 
 def parse_axis(text, tree, folder=Path()):
     """Return the axis of "KEY=LOW..HIGH:COUNT" or "KEY=VALUE;VALUE".
 
-    Keys joined by "+" have the same value. `folder` is that of the case.
+    Keys joined by "+" have the same value. `tree` is the TOML tree of the case, in `folder`.
 
     Raises
     ------
@@ -61,23 +65,30 @@ def parse_axis(text, tree, folder=Path()):
         keys = tuple(whole_key(tree, key.strip(), folder) for key in name.split("+"))
     except BadInput as error:
         raise BadInput([f"--vary {line}" for line in error.faults]) from None
-    values = _range(text, rest) if ".." in rest else tuple(_plain(part) for part in rest.split(";"))
+    values = (
+        _range_values(text, rest)
+        if ".." in rest
+        else tuple(_toml_value(part) for part in rest.split(";"))
+    )
     return Axis(name.strip(), keys, values)
 
 
-def _plain(text):
-    """Return the TOML value of a text, or the text if it is none."""
+def _toml_value(text):
+    """Return the TOML value of a text, or the text itself if it is not valid TOML."""
     try:
         return tomllib.loads(f"v = {text}")["v"]
     except tomllib.TOMLDecodeError:
         return text.strip()
 
 
-def _range(text, rest):
+def _range_values(text, rest):
+    """Return the values of `rest`, "LOW..HIGH:COUNT", as texts with the unit of LOW."""
     ends, _, count = rest.rpartition(":")
     low, _, high = ends.partition("..")
-    if count.strip().isdecimal() and not 2 <= int(count) <= MOST_VALUES:
-        raise BadInput(f"--vary: expected 2 to {MOST_VALUES} values in a range, got {count}")
+    if count.strip().isdecimal() and not 2 <= int(count) <= MOST_VALUES_OF_RANGE:
+        raise BadInput(
+            f"--vary: expected 2 to {MOST_VALUES_OF_RANGE} values in a range, got {count}"
+        )
     try:
         number, first, last = int(count), quantity(low), quantity(high)
         if not are_compatible(first.units, last.units):
@@ -108,43 +119,52 @@ class Point:
 
 
 def all_points(path, changes, axes):
-    """Return all combinations of the axes; raise `BadInput` with every fault of every tree."""
+    """Return the points of all combinations of values of the axes.
+
+    Parameters
+    ----------
+    path : Path
+        File of the case.
+    changes : list of (str, Any)
+        Dotted keys and values that all points have in common.
+    axes : list of Axis
+
+    Raises
+    ------
+    BadInput
+        With every fault of every tree, without duplicates.
+    """
     _check_values(path, changes, axes)
     runs = []
     for values in itertools.product(*(axis.values for axis in axes)):
-        made = [(key, value) for axis, value in zip(axes, values) for key in axis.keys]
-        named = {axis.name: value for axis, value in zip(axes, values)}
-        runs.append((named, [*changes, *made]))
-    return resolved(path, runs)
+        axis_changes = [(key, value) for axis, value in zip(axes, values) for key in axis.keys]
+        values_by_axis = {axis.name: value for axis, value in zip(axes, values)}
+        runs.append((values_by_axis, [*changes, *axis_changes]))
+    return checked_points(path, runs)
 
 
 def _check_values(path, changes, axes):
-    """Raise `BadInput` with the faults of single values that are found before a run.
+    """Raise `BadInput` with the faults of single values that are visible before a run.
 
-    For axes with many values, both ends are checked.
+    If an axis has more than `MOST_VALUES_CHECKED` values, only its first and last are checked.
     """
     from ..case.ahead import faults_ahead  # slow to import
 
-    def check(pair):
-        axis, value = pair
+    def check(axis_and_value):
+        axis, value = axis_and_value
         tree = read_tree(path, [*changes, *((key, value) for key in axis.keys)])
         if faults := faults_ahead(check_case(tree, path), Path(path).parent):
             raise BadInput(faults)
 
-    ends = [
-        (axis, value)
-        for axis in axes
-        for value in axis.values[:: 1 if len(axis.values) <= MOST_CHECKED else len(axis.values) - 1]
-    ]
-    for_all(check, ends)
+    def values_to_check(axis):
+        few = len(axis.values) <= MOST_VALUES_CHECKED
+        return axis.values if few else (axis.values[0], axis.values[-1])
+
+    for_all(check, [(axis, value) for axis in axes for value in values_to_check(axis)])
 
 
-MOST_CHECKED = 20
-"""Number of values of an axis up to which all are checked before a sweep."""
-
-
-def resolved(path, runs):
-    """Return points from pairs of their values and the changes of the case.
+def checked_points(path, runs):
+    """Return a point for each run: a pair of its values by axis, and its changes of the case.
 
     Raises
     ------
@@ -161,10 +181,6 @@ def resolved(path, runs):
     return for_all(point, runs)
 
 
-COMPUTED = "second_grid"
-"""Column of points whose uncertainties come from a second grid and doubled steps."""
-
-
 def run_point(tree, case_folder, output, uncertainty=False):
     """Build, run and summarise one point, in any process.
 
@@ -178,18 +194,22 @@ def run_point(tree, case_folder, output, uncertainty=False):
     """
     from ..case.system import open_system
     from ..engine.answer import row_of
-    from ..engine.uncertainty import PART
+    from ..engine.uncertainty import PART_PREFIX
     from .completed import complete_run
 
     try:
         case = check_case(tree, case_folder)
+        output = Path(output)
         system = open_system(case, Path(case_folder), _silent)
-        how = {"say": _silent, "uncertainty": uncertainty}
-        summary = complete_run(system, case, tree, Path(output), **how)
-        shown = f"{PART}reason", f"{PART}kept"
-        entries = {k: v for k, v in summary.items() if not k.startswith(PART) or k in shown}
-        measured = row_of(case, Path(output)) | ({COMPUTED: True} if uncertainty else {})
-        return {"status": "done", "message": ""} | measured | entries
+        summary = complete_run(system, case, tree, output, say=_silent, uncertainty=uncertainty)
+        # the row has the combined uncertainties instead of their parts
+        row = {"status": "done", "message": ""} | row_of(case, output)
+        if uncertainty:
+            row[SECOND_GRID_COLUMN] = True
+        texts = f"{PART_PREFIX}reason", f"{PART_PREFIX}kept"
+        return row | {
+            k: v for k, v in summary.items() if not k.startswith(PART_PREFIX) or k in texts
+        }
     except BadInput as error:
         return {"status": "bad input", "message": "; ".join(error.faults)}
     except Stopped as error:  # no convergence, a fault of a participant, a full disk
@@ -221,6 +241,7 @@ def sweep(
     executor : concurrent.futures.Executor
         Runs the points. Its processes must have access to the same folders.
     watch : callable(row, done, total)
+        Called after each run with its row and the numbers of finished and of all points.
     uncertainty : bool
         Compute the uncertainty of figures from a second grid and doubled steps.
 
@@ -243,52 +264,54 @@ def sweep(
 def _sweep(points, case_folder, folder, executor, watch, uncertainty):
     table = table_for(folder, points)
 
-    def keep(rows, ended):
+    def save_rows(rows, ended):
         with writing(table):
-            write_table([_record(points[n], rows[n]) for n in sorted(rows)], table)
+            write_table([_with_values(points[n], rows[n]) for n in sorted(rows)], table)
         for done, k in enumerate(ended, len(rows) - len(ended) + 1):
             watch(points[k].values | rows[k], done, len(points))
 
     runs = Path(folder) / "runs"
     with writing(table):
-        rows = rows_of(points, case_folder, runs, executor, keep, uncertainty)
-    records = [_record(point, row) for point, row in zip(points, rows)]
+        rows = rows_of_points(points, case_folder, runs, executor, save_rows, uncertainty)
+    records = [_with_values(point, row) for point, row in zip(points, rows)]
     with writing(table):
         write_table(records, table)
     return records
 
 
-def rows_of(points, case_folder, runs, executor, keep=lambda rows, ended: None, uncertainty=False):
-    """Return the row of each point, from the folder `runs` or from a run.
+def rows_of_points(
+    points, case_folder, runs, executor, after_run=lambda rows, ended: None, uncertainty=False
+):
+    """Return the row of each point, from the folder `runs` or from a new run.
 
-    `keep` is called with all rows so far, by number of the point, and the numbers of those whose
-    run has just ended. Points with the same name share one run.
+    Points with the same name share one run. After each run, `after_run` is called with all rows so
+    far, by index of the point, and the indices of the points of this run.
     """
     with writing(runs):
         runs.mkdir(parents=True, exist_ok=True)
-    known = (_done(runs / f"{point.name}.json", _needed(uncertainty)) for point in points)
-    rows = {k: row for k, row in enumerate(known) if row}
-    twins: dict[str, list[int]] = {}
+    rows = {}
+    to_run: dict[str, list[int]] = {}  # name of a run -> indices of its points
     for k, point in enumerate(points):
-        if k not in rows:
-            twins.setdefault(point.name, []).append(k)
-    waiting = {
+        if row := _finished_row(runs / f"{point.name}.json", uncertainty):
+            rows[k] = row
+        else:
+            to_run.setdefault(point.name, []).append(k)
+    running = {
         executor.submit(
             run_point,
-            p.tree,
+            points[indices[0]].tree,
             str(case_folder),
-            str((runs / f"{p.name}.h5").resolve()),
+            str((runs / f"{name}.h5").resolve()),
             *([True] if uncertainty else []),
-        ): own
-        for own in twins.values()
-        for p in [points[own[0]]]
+        ): (name, indices)
+        for name, indices in to_run.items()
     }
-    for future in as_completed(waiting):
-        own = waiting[future]
-        row = _row(future)
-        rows |= dict.fromkeys(own, row)
-        write_whole(runs / f"{points[own[0]].name}.json", json.dumps(row).encode())
-        keep(rows, own)
+    for future in as_completed(running):
+        name, indices = running[future]
+        row = _row_of_run(future)
+        rows |= dict.fromkeys(indices, row)
+        write_whole(runs / f"{name}.json", json.dumps(row).encode())
+        after_run(rows, indices)
     return [rows[k] for k in range(len(points))]
 
 
@@ -298,53 +321,49 @@ def table_for(folder, points):
     It is `<folder>/sweep.csv`, or sweep_2.csv and so on if that contains other rows. A sweep
     that is continued or extended uses the same file.
     """
-    names = {_record(point, {})["results"] for point in points}
+    results = {_with_values(point, {})["results"] for point in points}
     axes = set(points[0].values) if points else set()
     for number in itertools.count(1):
         path = Path(folder) / ("sweep.csv" if number == 1 else f"sweep_{number}.csv")
-        if not path.exists() or _belongs(path, axes, names):
+        if not path.exists() or _has_only(path, axes, results):
             return path
     raise AssertionError
 
 
-def _belongs(path, axes, names):
-    """Return whether a table has these axes, and only rows of these runs."""
+def _has_only(path, axes, results):
+    """Return whether a table has exactly these axes, and only rows of these results files."""
     with open(path, newline="") as file:
         reader = csv.DictReader(file)
-        heads = list(reader.fieldnames or ())
+        columns = list(reader.fieldnames or ())
         rows = list(reader)
-    before = heads[: heads.index("results")] if "results" in heads else []
-    return set(before) == axes and all(row["results"] in names for row in rows)
+    axis_columns = columns[: columns.index("results")] if "results" in columns else []
+    return set(axis_columns) == axes and all(row["results"] in results for row in rows)
 
 
-def _needed(uncertainty):
-    """Return the entries of a row without which a point has to run again."""
-    return (COMPUTED,) if uncertainty else ()
+def _finished_row(path, uncertainty):
+    """Return the row of a finished point, None if the point has to run.
 
-
-def _done(path, needed):
-    """Return the row of a finished point, None if it has not run, has failed or is damaged.
-
-    `needed` : entries without which it has to run again.
+    A point has to run if its row is missing or damaged, or if its run failed. With `uncertainty`,
+    it also has to run if its uncertainties are not from a second grid.
     """
     try:
         row = json.loads(path.read_text())
-        return row if row["status"] == "done" and {*needed} <= row.keys() else None
+        is_complete = not uncertainty or SECOND_GRID_COLUMN in row
+        return row if row["status"] == "done" and is_complete else None
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
 
-def _row(future):
+def _row_of_run(future):
     """Return the result of a run; if its process died, a failed row."""
     error = future.exception()
-    return (
-        future.result()
-        if error is None
-        else {"status": "failed", "message": f"{type(error).__name__}: {error}"}
-    )
+    if error is not None:
+        return {"status": "failed", "message": f"{type(error).__name__}: {error}"}
+    return future.result()
 
 
-def _record(point, row):
+def _with_values(point, row):
+    """Return the row of a point in the table: values by axis, results file, entries of the run."""
     return point.values | {"results": f"runs/{point.name}.h5"} | row
 
 
@@ -360,12 +379,12 @@ def write_table(records, path):
 
 
 def unfinished(points: list[Point], folder: Path, uncertainty: bool = False) -> list[Point]:
-    """Return the points that `sweep` would run, as they are not finished in `folder`.
+    """Return the points that `sweep` would run, because `folder` has no finished row for them.
 
     A row belongs to the content of the case, not to the version of the code.
     """
     runs = Path(folder) / "runs"
-    return [p for p in points if not _done(runs / f"{p.name}.json", _needed(uncertainty))]
+    return [p for p in points if not _finished_row(runs / f"{p.name}.json", uncertainty)]
 
 
 def build_all(points: list[Point], case_folder: Path, progress: Callable[[str], object]) -> None:
@@ -373,17 +392,17 @@ def build_all(points: list[Point], case_folder: Path, progress: Callable[[str], 
 
     Faults are reported in the rows.
     """
-    wanted = {}
+    builds = {}  # without duplicates
     for point in points:
         case = check_case(point.tree, case_folder)
-        builds = build_options(case, case_folder, progress)
+        options = build_options(case, case_folder, progress)
         for name, table in case.participants.items():
             if table.package:
-                one = table.package, builds[name]
-                wanted[json.dumps(one, sort_keys=True)] = one
-    for package, build in wanted.values():
+                build = table.package, options[name]
+                builds[json.dumps(build, sort_keys=True)] = build
+    for package, package_options in builds.values():
         try:
-            build_fmu(package, build, Path(case_folder), progress)
+            build_fmu(package, package_options, Path(case_folder), progress)
         except BadInput:
             continue
 

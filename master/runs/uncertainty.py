@@ -28,13 +28,13 @@ from .checkpoint import Interrupted
 from .run import run
 from .second_grid import GRID_SAFETY, coarser, grid_safety, kept_films, ratio_of
 
-LONGER = 2
+STEP_RATIO = 2
 """Steps of the third run over those of the others, or a little more, see `longer_steps`."""
 STEP_SAFETY = 1.25
 """Factor of safety on the difference between two steps [Roache1994]. With doubled steps, it is the
 factor of an order of 1 with the safety 1.25, and exceeds that of an order of 2 with the safety 3.
 `second_grid.GRID_SAFETY` is the factor of two grids."""
-SHARE, LEAD = 3, 0.25
+RUN_PERIODS, LEAD_SHARE = 3, 0.25
 """Periods of the run for each whole period of a further one, and the part of a period before these.
 The film starts full, and the lead forgets it."""
 Trees = Callable[[], list[dict[str, Any]]]
@@ -129,7 +129,7 @@ def attempts(tree: dict[str, Any], folder: Path, results: Results, scratch: Path
     whole: Trees = lambda: [longest(tree, folder)]  # noqa: E731
     if base is tree:
         return [whole]
-    both = [coarser] if _periods(results) >= SHARE else []
+    both = [coarser] if _periods(results) >= RUN_PERIODS else []
     return [lambda: [*(make(base) for make in both), longest(base, folder)], whole]
 
 
@@ -146,15 +146,15 @@ def longer_steps(tree: dict[str, Any], folder: Path) -> float:
     """
     clock, _ = run_ahead(check_case(tree, folder), folder)
     if clock is None:
-        return LONGER
+        return STEP_RATIO
     total, period = (round(x / clock.step) for x in (clock.stop - clock.start, clock.period))
     common = gcd(total, period if period <= total else 0)
-    if common < LONGER:
+    if common < STEP_RATIO:
         raise BadInput(
             "time.step: expected a longer one that divides run and period, got none for "
             f"{total} and {period} steps"
         )
-    return common / (common // LONGER)
+    return common / (common // STEP_RATIO)
 
 
 def differences(
@@ -183,12 +183,12 @@ def _periods(results):
     return (results.summary or {}).get("periods", 0)
 
 
-def longer(tree: dict[str, Any], factor: float = LONGER) -> dict[str, Any]:
+def longer(tree: dict[str, Any], factor: float = STEP_RATIO) -> dict[str, Any]:
     """Return the tree with longer macro steps."""
-    made = deepcopy(tree)
-    time = made["time"]
+    changed = deepcopy(tree)
+    time = changed["time"]
     time |= {key: times(time[key], factor) for key in ("step", "smallest_step") if key in time}
-    return made
+    return changed
 
 
 def continued(tree, results, scratch):
@@ -197,18 +197,18 @@ def continued(tree, results, scratch):
     case = check_case(tree, scratch)
     if periods < 2 or not case.time.until_periodic or not case.period:
         return tree
-    made = deepcopy(tree)
+    changed = deepcopy(tree)
     for name in players(tree, "bodies"):
         ports = [port for port in results.ports if port.startswith(f"{name}.")]
         values = {port.partition(".")[2]: results.series(port).values[-1] for port in ports}
-        if not {*START} <= {*values} or "build" not in made["participants"][name]:
+        if not {*START} <= {*values} or "build" not in changed["participants"][name]:
             return tree
         path = scratch / f"{name}.json"
         path.write_text(json.dumps({key: value.tolist() for key, value in values.items()}))
-        made["participants"][name]["build"]["start"] = str(path)
-    count = max(1, periods // SHARE) + lead(case.period, case.time.step)
-    made["time"]["stop"] = times(case.period, count)
-    return made
+        changed["participants"][name]["build"]["start"] = str(path)
+    count = max(1, periods // RUN_PERIODS) + lead(case.period, case.time.step)
+    changed["time"]["stop"] = times(case.period, count)
+    return changed
 
 
 def lead(period: str, step: str) -> float:
@@ -219,8 +219,8 @@ def lead(period: str, step: str) -> float:
     whole, one = quantity(period), quantity(step)
     if not are_compatible(whole.units, one.units):
         return 1.0
-    steps = whole.to(one.units).magnitude / (LONGER * one.magnitude)
-    return round(LEAD * steps) / steps if abs(steps - round(steps)) <= 1e-9 * steps else 1.0
+    steps = whole.to(one.units).magnitude / (STEP_RATIO * one.magnitude)
+    return round(LEAD_SHARE * steps) / steps if abs(steps - round(steps)) <= 1e-9 * steps else 1.0
 
 
 def _measured(tree, folder, output, progress):

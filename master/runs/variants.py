@@ -13,7 +13,7 @@ from .completed import complete_run
 from .console import Watch
 from .pool import LocalPool, PointDied
 from .signals import forwarding
-from .working import REFRESH, bars, every
+from .working import REFRESH_INTERVAL, bars, every
 
 
 class Variant(NamedTuple):
@@ -72,20 +72,20 @@ def run_variants(
     BadInput
         With the faults of all variants.
     """
-    said = set()
+    reported = set()
 
     def receive(label, message):
         kind, *data = message
         if kind == "show":
-            heard.stepped |= data[0] > 0.0
+            received.stepped |= data[0] > 0.0
             show(label, *data)
         elif kind == "log":
             log(f"{label}: {data[0]}")
-        elif data[0] not in said:
-            said.add(data[0])
+        elif data[0] not in reported:
+            reported.add(data[0])
             say(data[0])
 
-    with bars(console) as show, forwarding(pool.send_signal) as heard:
+    with bars(console) as show, forwarding(pool.send_signal) as received:
         futures = pool.share(receive, _run, variants)
     outcomes = {label: _outcome(future) for label, future in futures.items()}
     stopped = {label: one for label, one in outcomes.items() if one.lines}
@@ -109,18 +109,18 @@ def _outcome(future: Future) -> Outcome:
         return Outcome(headline="a process of the run ended", lines=[str(death)])
 
 
-def _run(tell, variant: Variant) -> Outcome:
+def _run(send, variant: Variant) -> Outcome:
     """Run a variant in this process."""
-    watch = Watch(lambda share, state: tell(("show", share, state)))
-    say, log = (partial(_tell, tell, kind) for kind in ("say", "log"))
+    watch = Watch(lambda share, state: send(("show", share, state)))
+    say, log = (partial(_send, send, kind) for kind in ("say", "log"))
     tree, folder, output, uncertainty = variant
     try:
         case = check_case(tree, folder)
-        with every(REFRESH, watch.tick):
+        with every(REFRESH_INTERVAL, watch.tick):
             system = open_system(case, folder, say)
-            how = {"say": say, "log": log, "uncertainty": uncertainty}
-            summary = complete_run(system, case, tree, output, watch, **how)
-        tell(("show", 1.0, ""))
+            options = {"say": say, "log": log, "uncertainty": uncertainty}
+            summary = complete_run(system, case, tree, output, watch, **options)
+        send(("show", 1.0, ""))
         return Outcome(summary, watch.first)
     except BadInput as error:
         return Outcome(faults=error.faults)
@@ -129,5 +129,5 @@ def _run(tell, variant: Variant) -> Outcome:
         return Outcome(headline=error.headline, lines=[str(error), *notes])
 
 
-def _tell(tell, kind, text):
-    tell((kind, text))
+def _send(send, kind, text):
+    send((kind, text))

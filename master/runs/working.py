@@ -24,13 +24,13 @@ from ..fmi.phases import LONGEST_SHARE, UNDER_WAY, phase
 
 Tenths = tuple[int, int | None]
 """Tenths of a share, and of the share of compiled kernels."""
-QUIET = 4.0
+QUIET_INTERVAL = 4.0
 """Shortest time between two lines outside a terminal [s]."""
-REFRESH = 0.5
+REFRESH_INTERVAL = 0.5
 """Time between two updates in a terminal [s]."""
-TYPICAL = 200
+TYPICAL_KERNELS = 200
 """Kernels of a first start, if no complete compilation is known."""
-COMPLETE = 50
+COMPLETE_KERNELS = 50
 """Smallest number of kernels of a complete compilation."""
 
 
@@ -64,8 +64,8 @@ class Compilation:
     def expected(self) -> int:
         """Number of kernels of the last complete compilation."""
         with suppress(OSError, ValueError):
-            return max(COMPLETE, int(self.record.read_text()))
-        return TYPICAL
+            return max(COMPLETE_KERNELS, int(self.record.read_text()))
+        return TYPICAL_KERNELS
 
     def text(self) -> str:
         """Return the share of compiled kernels; empty if none was compiled."""
@@ -77,7 +77,7 @@ class Compilation:
 
     def finish(self) -> None:
         """Save the number of kernels of a complete compilation."""
-        if (count := self.count) >= COMPLETE:
+        if (count := self.count) >= COMPLETE_KERNELS:
             with suppress(OSError):
                 write_whole(self.record, f"{count}\n".encode())
 
@@ -104,7 +104,8 @@ def every(seconds: float, action: Callable[[], object]) -> Iterator:
 def bars(console: Console, tick: Callable[[], object] = lambda: None, **options: Any) -> Iterator:
     """Yield `show(label, share, state)` of parallel progress bars; call `tick` before updates.
 
-    Outside a terminal they are lines on the error stream, one for each 10 %, after `QUIET` s.
+    Outside a terminal they are lines on the error stream, one for each 10 %, at most one in
+    `QUIET_INTERVAL` s.
     """
     columns = (
         TextColumn("{task.description}"),
@@ -114,7 +115,9 @@ def bars(console: Console, tick: Callable[[], object] = lambda: None, **options:
         TextColumn("{task.fields[state]}"),
     )
     tasks: dict[str, TaskID] = {}
-    with Progress(*columns, console=console, refresh_per_second=1 / REFRESH, **options) as progress:
+    with Progress(
+        *columns, console=console, refresh_per_second=1 / REFRESH_INTERVAL, **options
+    ) as progress:
 
         def show(label: str, share: float, state: str) -> None:
             if label not in tasks:
@@ -130,7 +133,7 @@ def bars(console: Console, tick: Callable[[], object] = lambda: None, **options:
                         printed[task.description] = _tenths(task)
                         print(_line(task), file=sys.stderr, flush=True)
 
-        with every(REFRESH, tick), every(QUIET, print_lines):
+        with every(REFRESH_INTERVAL, tick), every(QUIET_INTERVAL, print_lines):
             yield show
 
 

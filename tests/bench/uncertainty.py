@@ -29,7 +29,7 @@ from piston_cosim.master.case.checked import check_case
 from piston_cosim.master.engine.measures import measures
 from piston_cosim.master.engine.uncertainty import entry_of
 from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.second_grid import COARSER, GRID_SAFETY
+from piston_cosim.master.runs.second_grid import COARSENING, GRID_SAFETY
 from piston_cosim.master.runs.uncertainty import state_uncertainty
 from piston_cosim.tests.verification.cases.film import (
     inclined_pad,
@@ -150,7 +150,7 @@ KNOWN = (
 
 def of_grids(name, solve, cells, exact) -> Iterator[Row]:
     """Yield the rows of a film on `cells`, with the uncertainty of Eq. (X48) from a second grid."""
-    own, second = solve(cells), solve(2 * round(cells / COARSER / 2))
+    own, second = solve(cells), solve(2 * round(cells / COARSENING / 2))
     for k, (value, other, true) in enumerate(zip(own, second, exact)):
         if true is None:
             continue

@@ -433,6 +433,6 @@ def test_a_soft_edge_at_an_inlet_opens_as_it_does_in_time(monkeypatch):
         opened = opened + 0.3 * change
     assert opened.max() > 300e-6
     assert np.abs(outputs["deflection"] - opened).max() < 1e-7 * opened.max()
-    monkeypatch.setattr("piston_cosim.fmu_ehd.journal.DAMPING", 0.0)
+    monkeypatch.setattr("piston_cosim.fmu_ehd.journal.LARGEST_DAMPING", 0.0)
     with pytest.raises(pc.Discard, match="no position of the journal"):
         film.equilibrium(None, clearance, shells=[shell], circumferential_velocity=28.0)

@@ -22,7 +22,7 @@ MACS = {"darwin64": 0x01000007, "aarch64-darwin": 0x0100000C}  # CPU_TYPE_X86_64
 @pytest.fixture
 def brought(monkeypatch, tmp_path):
     """Return a folder of prebuilt libraries, on a machine that can compile nothing."""
-    monkeypatch.setattr(builder_native, "AHEAD", tmp_path)
+    monkeypatch.setattr(builder_native, "PREBUILT", tmp_path)
     monkeypatch.setattr(builder_native, "compiler_of", lambda platform: None)
     monkeypatch.setattr(builder_native, "too_old", lambda: ["numba is too old"])
     monkeypatch.setattr(builder_native, "object_files", lambda *_: pytest.fail("compiled"))

@@ -117,7 +117,7 @@ def test_colours_of_every_map_are_the_values_of_the_file(seen):
         for kind, port in film.layers.items():
             if port not in seen.results.recorded:
                 continue
-            dataset, there = seen.results.dataset(port), seen.results.there(port)
+            dataset, there = seen.results.dataset(port), seen.results.existing_cells(port)
             there = np.ones(dataset.shape[1:], bool) if there is None else there.astype(bool)
             for k in (1, len(dataset) - 1):
                 one = seen.browser.run(SHOW % (number, kind, k) + READ)

@@ -120,7 +120,7 @@ def test_a_settled_run_in_coordinates_passes_its_checks_as_on_wires(tmp_path):
     needs_compiler()
     (one, case), (other, _) = (rigid(tmp_path, coordinates) for coordinates in (True, False))
     judged = verdicts(one, measures(case, one))
-    assert [(check.what, check.said) for check in judged if check.outcome != "pass"] == []
+    assert [(check.what, check.text) for check in judged if check.outcome != "pass"] == []
     ours, theirs = one.summary, other.summary
     assert ours["periods"] == theirs["periods"]
     assert ours["residual_evaluations"] <= 1.02 * theirs["residual_evaluations"]
@@ -231,7 +231,7 @@ SPEED = {"points": [[0.0, 6000.0], [360.0, 6000.0]], "angle_unit": "deg", "speed
 
 
 def test_without_a_word_a_library_made_ahead_is_taken(tmp_path, monkeypatch):
-    monkeypatch.setattr(builder_native, "AHEAD", tmp_path)
+    monkeypatch.setattr(builder_native, "PREBUILT", tmp_path)
     assert chosen() == set()
     platform = this_platform()
     for package in ("fmu_ehd", "fmu_mfbd"):

@@ -43,7 +43,7 @@ class InMemory:
         held.attrs = {"unit": unit}
         return held
 
-    def there(self, port):
+    def existing_cells(self, port):
         return None
 
 

@@ -29,7 +29,7 @@ from piston_cosim.master.runs.design_space import (
     shapes_of,
 )
 from piston_cosim.master.runs.optimisation import (
-    BAD,
+    FAILED_OBJECTIVE,
     Limit,
     Search,
     Task,
@@ -147,7 +147,7 @@ def test_limits_of_the_case_hold_at_each_point_and_failed_designs_are_bad(runs):
     value, *slack = search.at(np.array([1.0 / 2.5]))
     assert value == pytest.approx(-1.1)
     assert slack == pytest.approx([-0.1, -0.1, (52 - 66) / 52, (52 - 55) / 52])
-    assert search.at(np.array([1.0]))[0] == BAD
+    assert search.at(np.array([1.0]))[0] == FAILED_OBJECTIVE
 
 
 def test_differences_stay_within_bounds_and_omit_failed_runs():

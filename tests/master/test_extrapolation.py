@@ -11,7 +11,7 @@ import pytest
 
 from piston_cosim.master.fmi.state_bytes import join, slow_members, split, with_members
 from piston_cosim.master.results.file import Results
-from piston_cosim.master.runs.extrapolation import FARTHEST, extrapolated
+from piston_cosim.master.runs.extrapolation import MOST_CHANGES, extrapolated
 
 from . import toys
 from .toys import TOYS, at
@@ -128,11 +128,11 @@ def test_an_interrupted_run_goes_on_extrapolating(affine, tmp_path, instant):
         # beyond: f turns its sign, x lies between
         (([2.0], [1.0]), ([1.0], [-1.0]), [1.5]),
         # a change as large as before has no secant; neither has one that grows
-        (([1.0], [1.5]), ([0.5], [0.5]), [1.5 + FARTHEST * 0.5]),
-        (([1.0], [1.6]), ([0.5], [0.6]), [1.6 + FARTHEST * 0.6]),
+        (([1.0], [1.5]), ([0.5], [0.5]), [1.5 + MOST_CHANGES * 0.5]),
+        (([1.0], [1.6]), ([0.5], [0.6]), [1.6 + MOST_CHANGES * 0.6]),
         # what is nowhere negative stays so; what is may be
         (([1.0], [0.5]), ([-0.5], [-0.5]), [0.0]),
-        (([-1.0], [-1.5]), ([-0.5], [-0.5]), [-1.5 - FARTHEST * 0.5]),
+        (([-1.0], [-1.5]), ([-0.5], [-0.5]), [-1.5 - MOST_CHANGES * 0.5]),
         # nothing changes
         (([1.0], [1.0]), ([0.5], [0.0]), [1.0]),
         # cycles that do not follow one another: g(x) = x/2 + 1 stays at 2, here from 0 and 4

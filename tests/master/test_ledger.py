@@ -58,7 +58,7 @@ def telling(one, advance, amount):
 @pytest.fixture(autouse=True)
 def limit(monkeypatch):
     """Two per cent, for numbers by hand."""
-    monkeypatch.setattr(ledgers, "LIMIT", 0.02)
+    monkeypatch.setattr(ledgers, "LARGEST_SHARE", 0.02)
 
 
 def go(affine, made, output):

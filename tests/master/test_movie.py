@@ -42,10 +42,10 @@ def test_every_chosen_instant_is_a_frame(case, results, tmp_path, monkeypatch):
         # a gif counts in hundredths of a second
         assert picture.info["duration"] == pytest.approx(1000 / PER_SECOND, abs=10)
     held = results.dataset("bodies.film_thickness")[:][chosen] * 1e6
-    there = results.there("bodies.film_thickness")
+    exists = results.existing_cells("bodies.film_thickness")
     for (image, low, high), values in zip(shown, held, strict=True):
-        assert image.data[there] == pytest.approx(values[there])
-        assert (low, high) == pytest.approx((held[:, there].min(), held[:, there].max()))
+        assert image.data[exists] == pytest.approx(values[exists])
+        assert (low, high) == pytest.approx((held[:, exists].min(), held[:, exists].max()))
 
 
 def test_the_legend_has_the_lines_and_marks_of_all_instants():

@@ -114,7 +114,7 @@ def test_a_run_of_a_new_case_settles_without_a_warning(name, piston, tmp_path):
     assert "periodicity" in {one.what for one in found}
     for one in found:
         stiff = one.what == "pressure" and piston is None
-        assert one.outcome == "pass" or (stiff and "--piston slipper" in one.said), one.said
+        assert one.outcome == "pass" or (stiff and "--piston slipper" in one.text), one.text
 
 
 def test_a_mesh_brings_its_skirt(tmp_path):

@@ -41,7 +41,7 @@ FIELD = np.eye(4)
 def run(field=FIELD, there=None, **more):
     """Return a run that has recorded a field."""
     usual = {"recorded": ["ehd.pressure"], "ports": [], "time": np.array([0.0, 0.5, 1.0])}
-    given = {"case": {"participants": {}}, "there": lambda port: there}
+    given = {"case": {"participants": {}}, "existing_cells": lambda port: there}
     given["field"] = lambda port, instant: RecordedField(field, 0.0, "Pa", "")
     return SimpleNamespace(**usual | given | more)
 

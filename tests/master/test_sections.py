@@ -222,7 +222,7 @@ def test_envelopes_hold_every_step_and_say_so():
     (section,) = (one for one in found if one.title.startswith("Envelopes"))
     assert [one.title for one in section.drawn] == ["Maximum pressure of the last period"]
     assert section.drawn[0].fields[0] == pytest.approx(np.array([[2.0, 25.8]]))
-    assert section.said == "The envelopes hold every accepted macro step of the last period."
+    assert section.text == "The envelopes hold every accepted macro step of the last period."
 
 
 def test_nothing_special_of_a_case_without_a_crank():

@@ -12,7 +12,7 @@ import pytest
 from piston_cosim.master.coupling.freezing import freeze, thaw
 from piston_cosim.master.coupling.methods import Newton
 from piston_cosim.master.coupling.step_control import (
-    HARD,
+    HARD_ITERATIONS,
     SMALLEST_FACTOR,
     StepControl,
     step_control,
@@ -76,7 +76,7 @@ def test_estimate_is_the_local_error_of_bdf2(steps):
 
 def test_after_a_hard_step_none_is_longer():
     chosen = control()
-    offer(chosen, np.exp, 0.0, 0.01, iterations=HARD)
+    offer(chosen, np.exp, 0.0, 0.01, iterations=HARD_ITERATIONS)
     assert chosen.step == 0.01
 
 

@@ -21,7 +21,7 @@ from piston_cosim.master.coupling.methods import (
     krylov,
 )
 from piston_cosim.master.coupling.methods.filtering import filtered
-from piston_cosim.master.coupling.methods.iteration import FAILURES, NONE, failure_of
+from piston_cosim.master.coupling.methods.iteration import FAILURES, NO_FAILURE, failure_of
 from piston_cosim.master.coupling.methods.krylov import Goal, RecycledGmres
 from piston_cosim.master.coupling.stepping import StepFailed, Stepper
 from piston_cosim.master.coupling.vector import macro_step_end, step_length
@@ -292,8 +292,8 @@ def test_gmres_looks_at_every_element_of_the_residual():
     "history, expected",
     [
         ([1.0, 0.5, 0.4, 401.0], FAILURES.grows),  # a thousand times the smallest
-        ([1.0, 0.5, 0.4, 399.0], NONE),
-        ([0.4, 1.0, 401.0], NONE),  # too early to tell
+        ([1.0, 0.5, 0.4, 399.0], NO_FAILURE),
+        ([0.4, 1.0, 401.0], NO_FAILURE),  # too early to tell
         ([1.0, 0.5, 0.4, 0.4, 0.4], FAILURES.too_many),
     ],
 )

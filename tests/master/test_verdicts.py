@@ -104,7 +104,7 @@ def test_without_conjugates_there_is_no_energy_balance(tmp_path):
     for wire in tree["wires"]:
         wire.pop("conjugate", None)
     balance = judged(tmp_path, tree=tree)["energy balance"]
-    assert balance.colour == "amber" and '"ehd.nodal_pressure_force"' in balance.said
+    assert balance.colour == "amber" and '"ehd.nodal_pressure_force"' in balance.text
 
 
 def test_a_sound_run_is_green_whatever_its_first_period_was(tmp_path):
@@ -119,7 +119,7 @@ def test_a_sound_run_is_green_whatever_its_first_period_was(tmp_path):
         "side force",
         "periodicity",
     }
-    assert found["periodicity"].said == "In words."
+    assert found["periodicity"].text == "In words."
 
 
 def ledgered(refused=0, share=0.049, made=0.0):
@@ -173,31 +173,31 @@ def test_limits(given, what, colour, tmp_path):
 
 def test_a_rigid_skirt_overstates_the_pressure(tmp_path):
     hint = "A rigid skirt does not yield, so it overstates the pressure. Make it flexible: "
-    assert hint in judged(tmp_path, pressure=51e6)["pressure"].said
-    assert hint not in judged(tmp_path, pressure=49e6)["pressure"].said
+    assert hint in judged(tmp_path, pressure=51e6)["pressure"].text
+    assert hint not in judged(tmp_path, pressure=49e6)["pressure"].text
     tree = read_tree(PATH)
     piston = tree["participants"]["bodies"]["build"]["piston"]
     del piston["rigid"]
-    assert hint not in judged(tmp_path, pressure=51e6, tree=tree)["pressure"].said
+    assert hint not in judged(tmp_path, pressure=51e6, tree=tree)["pressure"].text
     piston["modes"] = 0
-    assert hint in judged(tmp_path, pressure=51e6, tree=tree)["pressure"].said
+    assert hint in judged(tmp_path, pressure=51e6, tree=tree)["pressure"].text
 
 
 def test_what_the_modes_of_each_body_miss(tmp_path):
     found = judged(tmp_path, **missed(0.0275, piston=0.004, block=0.0175))
-    assert found["truncation"].said == (
+    assert found["truncation"].text == (
         "The truncation error of the modes is at most 2.8 % of the local film thickness "
         "(limit 2 %). It is 0.4 % of the piston deflection and 1.8 % of the block deflection. "
         "Increase piston.modes and block.modes."
     )
-    edge = judged(tmp_path, **missed(0.01, piston=0.004, edge=0.18))["truncation"].said
+    edge = judged(tmp_path, **missed(0.01, piston=0.004, edge=0.18))["truncation"].text
     assert edge.endswith("Under a narrow patch at an edge of the skirt, the modes miss up to 18 %.")
-    other = judged(tmp_path, **missed(None, block=0.0175))["truncation"].said
+    other = judged(tmp_path, **missed(None, block=0.0175))["truncation"].text
     assert "Record film_thickness of the bodies (record.fields)" in other
 
 
 def test_the_worst_place_by_side_angle_and_height(tmp_path):
-    said = judged(tmp_path)["film"].said
+    said = judged(tmp_path)["film"].text
     # row 10 of 40 has its centre at 9.5/40 of the skirt
     assert (
         "anti-thrust side, angle from the pin axis 270 deg, height above the pin -25.8 mm" in said
@@ -236,7 +236,7 @@ def hill(width_around, width_along, cells=40, closed=0, at=9, full=10):
 )
 def test_a_grid_too_coarse_for_what_was_found(tmp_path, field, colour, sentence):
     grid = judged(tmp_path, field=field)["grid"]
-    assert grid.colour == colour and sentence in grid.said
+    assert grid.colour == colour and sentence in grid.text
 
 
 def test_the_first_screen_by_hand(tmp_path):

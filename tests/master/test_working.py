@@ -26,8 +26,8 @@ RUN += ["time.stop=1 deg"]
 
 
 def test_outside_a_terminal_phases_print_a_line_each_period(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(module, "REFRESH", 0.02)
-    monkeypatch.setattr(module, "QUIET", 0.2)
+    monkeypatch.setattr(module, "REFRESH_INTERVAL", 0.02)
+    monkeypatch.setattr(module, "QUIET_INTERVAL", 0.2)
     monkeypatch.setenv("PISTON_COSIM_CACHE", str(tmp_path))
     with working(Console(force_terminal=False), "preparing", work=2, typical=5.0):
         time.sleep(0.25)
@@ -76,15 +76,15 @@ def test_the_share_of_kernels_is_that_of_the_last_complete_compilation(tmp_path,
     monkeypatch.setattr(Compilation, "count", property(lambda self: count.value))
     compilation = Compilation()
     assert compilation.text() == ""
-    count.value = module.TYPICAL // 2
+    count.value = module.TYPICAL_KERNELS // 2
     assert "compiling: 50 %" in compilation.text()
-    count.value = 4 * module.TYPICAL
+    count.value = 4 * module.TYPICAL_KERNELS
     assert "compiling: 99 %" in compilation.text()
     compilation.finish()
-    assert Compilation().expected == 4 * module.TYPICAL
-    count.value = module.COMPLETE - 1  # most kernels came from the cache
+    assert Compilation().expected == 4 * module.TYPICAL_KERNELS
+    count.value = module.COMPLETE_KERNELS - 1  # most kernels came from the cache
     Compilation().finish()
-    assert Compilation().expected == 4 * module.TYPICAL
+    assert Compilation().expected == 4 * module.TYPICAL_KERNELS
 
 
 def test_kernels_are_counted():

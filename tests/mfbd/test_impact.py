@@ -305,7 +305,7 @@ def test_no_impact_on_a_flooded_wedge_creates_energy(count, monkeypatch):
     """
     assert on_wedges(count, limited=True, checked=True).max() <= 0.1
     assert np.mean(on_wedges(count, limited=False, checked=False) > 1.02) > 0.3
-    monkeypatch.setattr(ledgers, "LIMIT", 0.02)
+    monkeypatch.setattr(ledgers, "LARGEST_SHARE", 0.02)
     assert on_wedges(count, limited=False, checked=True).max() <= 1.02
 
 

@@ -24,7 +24,7 @@ from piston_cosim.fmu_mfbd.geometry.pin import (
     yielded,
 )
 from piston_cosim.fmu_mfbd.geometry.pin_shapes import (
-    MOST,
+    MOST_SHAPES,
     HollowPin,
     beam_at,
     beam_shapes,
@@ -102,7 +102,7 @@ def test_a_thick_pin_has_the_frequencies_of_timoshenkos_equation():
         through = expm(rates * scale / scale[:, None] * PIN.length)
         return np.linalg.det(through[2:, :2])
 
-    for omega in free_beam(PIN, MOST).omega[1:]:
+    for omega in free_beam(PIN, MOST_SHAPES).omega[1:]:
         assert determinant(omega * (1 - 1e-8)) * determinant(omega * (1 + 1e-8)) < 0.0
 
 
@@ -143,7 +143,7 @@ def sag_of_even_loads(pin):
     return tip(0.5 / BOSS, EYE / 2, a) - tip(1 / EYE, 0.0, EYE / 2)
 
 
-@pytest.mark.parametrize(("shapes", "error"), [(2, 6e-2), (4, 1.2e-2), (MOST, 5e-3)])
+@pytest.mark.parametrize(("shapes", "error"), [(2, 6e-2), (4, 1.2e-2), (MOST_SHAPES, 5e-3)])
 def test_deflection_under_eye_and_bosses_by_number_of_shapes(shapes, error):
     """Even loads against the cantilever's formula: what shapes left out would do."""
     beam = free_beam(PIN, shapes)

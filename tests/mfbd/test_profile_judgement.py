@@ -8,8 +8,8 @@ import pytest
 from piston_cosim.fmu_mfbd.geometry.profile import MeasuredShape, barrel, ovality
 from piston_cosim.fmu_mfbd.preview import preview
 from piston_cosim.fmu_mfbd.profile_judgement import (
-    GRAIN,
-    OUTLIER,
+    LEAST_DUST,
+    LEAST_DUST_OVER_NOISE,
     form_of,
     judge_profile,
     smooth_shape,
@@ -111,9 +111,9 @@ def test_a_smooth_table_is_nearer_to_the_truth():
 
 
 def test_noise_is_not_dust():
-    """Of 480 normal values one in 1e12 tables has one that is `OUTLIER` standard deviations off."""
+    """One in 1e12 tables of 480 normal values has one off by `LEAST_DUST_OVER_NOISE` deviations."""
     rough = replace(EXACT, value=EXACT.value + 10 * (SOUND.value - EXACT.value))
-    assert OUTLIER * 10 * NOISE > GRAIN
+    assert LEAST_DUST_OVER_NOISE * 10 * NOISE > LEAST_DUST
     assert smooth_shape(rough).grains == []
 
 

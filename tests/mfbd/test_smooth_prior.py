@@ -11,7 +11,7 @@ from piston_cosim.fmu_mfbd.reduction.interpolation import SurfaceReading
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 from piston_cosim.fmu_mfbd.reduction.smooth_prior import (
     AROUND,
-    NEGLIGIBLE,
+    NEGLIGIBLE_VARIANCE,
     SurfaceAnswers,
     edge_patches,
     expected_missing,
@@ -32,8 +32,8 @@ EVERYWHERE = np.ones(60, dtype=bool)
 def test_the_root_has_the_covariance_of_the_equation():
     """Every entry of Eq. (J31) is computed by hand, also over the cut at 0 deg.
 
-    The tolerance is that of the dropped patterns: 60 of them hold less than 60 `NEGLIGIBLE` of the
-    largest variance.
+    The tolerance is that of the dropped patterns: 60 of them have less than 60
+    `NEGLIGIBLE_VARIANCE` of the largest variance.
     """
     there = np.arange(60) != 7
     root = pressure_root(ANGLE, HEIGHT, 0.2, there)
@@ -51,7 +51,7 @@ def test_the_root_has_the_covariance_of_the_equation():
     weight = np.repeat(weight, 5) * there
     expected *= weight[:, None] * weight
     largest = np.linalg.norm(expected, 2)
-    np.testing.assert_allclose(root @ root.T, expected, atol=60 * NEGLIGIBLE * largest)
+    np.testing.assert_allclose(root @ root.T, expected, atol=60 * NEGLIGIBLE_VARIANCE * largest)
     strength = (pressure_root(ANGLE, HEIGHT, 0.2, EVERYWHERE) ** 2).sum(axis=0)
     assert np.all(strength[1:] <= 1.01**2 * strength[:-1])  # strongest first, but for the 1 %
 
@@ -70,7 +70,9 @@ def test_even_and_odd_films_have_their_part_of_the_prior(parity, pairs):
     largest = np.linalg.norm(free, 2) ** 2
     np.testing.assert_allclose(mirror @ root, parity * root, atol=1e-12)
     half = (free + parity * mirror @ free) / 2
-    np.testing.assert_allclose(root @ root.T, half @ half.T, atol=60 * NEGLIGIBLE * largest)
+    np.testing.assert_allclose(
+        root @ root.T, half @ half.T, atol=60 * NEGLIGIBLE_VARIANCE * largest
+    )
     assert root.shape[1] == 5 * pairs
 
 

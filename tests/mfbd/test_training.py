@@ -10,7 +10,7 @@ from piston_cosim.fmu_mfbd.reduction.bases import of_unit_energy, pressure_modes
 from piston_cosim.fmu_mfbd.reduction.film_loads import FilmLoads
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedBlock, ReducedPiston, load
 from piston_cosim.fmu_mfbd.reduction.training import (
-    ENOUGH,
+    REMAINING_DEFLECTION,
     load_patterns,
     trained_shapes,
 )
@@ -61,7 +61,7 @@ def test_all_loads_of_the_training_are_answered_to_round_off(plate, monkeypatch)
     """
     body, spread = plate
     film = random_film(2)
-    monkeypatch.setattr("piston_cosim.fmu_mfbd.reduction.training.ENOUGH", 1e-9)
+    monkeypatch.setattr("piston_cosim.fmu_mfbd.reduction.training.REMAINING_DEFLECTION", 1e-9)
     phi = trained_shapes(body, spread, film, none(body), 40)
     assert phi.shape[1] <= 16
     loads, whole = answers(body, spread, film)
@@ -73,7 +73,7 @@ def test_shapes_come_in_the_order_of_what_they_take(plate):
     """Each shape leaves less energy than any other direction would.
 
     The remainder falls, and each shape takes at most as much as the previous one. The series stops
-    if `ENOUGH` of the total is left.
+    if `REMAINING_DEFLECTION` of the total is left.
     """
     body, spread = plate
     film = random_film(6)
@@ -85,8 +85,8 @@ def test_shapes_come_in_the_order_of_what_they_take(plate):
     assert np.all(np.diff(taken) <= 1e-12)
     left = 1 - np.cumsum(taken)
     # patterns below 1e-4 of the strongest are not solved for: 1e-8 of the energy
-    assert left[-1] <= ENOUGH**2 + 1e-7
-    assert left[-2] > ENOUGH**2
+    assert left[-1] <= REMAINING_DEFLECTION**2 + 1e-7
+    assert left[-2] > REMAINING_DEFLECTION**2
     fewer = trained_shapes(body, spread, film, none(body), 3)
     np.testing.assert_array_equal(fewer, phi[:, :3])
 
@@ -132,8 +132,9 @@ def run(kept, tmp_path):
 def test_a_run_adds_its_shapes_to_those_of_the_prior(coarse, run):
     """Training on four instants and their mirror images adds at most 16 shapes.
 
-    It leaves `ENOUGH` by energy on purpose, which can be three times as much by deflection. Under
-    other loads than those of the training, the error is at most that of the prior's shapes alone.
+    It leaves `REMAINING_DEFLECTION` by energy on purpose, which can be three times as much by
+    deflection. Under other loads than those of the training, the error is at most that of the
+    prior's shapes alone.
     """
     folder, options = coarse
     before = truncations(options, folder, run).bodies
@@ -142,7 +143,7 @@ def test_a_run_adds_its_shapes_to_those_of_the_prior(coarse, run):
     untrained = truncations(options, folder, other).bodies
     for body, kind in (("piston", ReducedPiston), ("block", ReducedBlock)):
         assert before[body].error > 0.01
-        assert after[body].error < 3 * ENOUGH
+        assert after[body].error < 3 * REMAINING_DEFLECTION
         own, prior = (
             load(kind, reduced_bodies(one, folder, quiet)[body])
             for one in (trained(options, run), options)

@@ -35,7 +35,7 @@ from piston_cosim.fmu_mfbd.reduction.smooth_prior import (
     pressure_root,
 )
 from piston_cosim.fmu_mfbd.reduction.truncation import (
-    THIN,
+    THIN_FILM,
     StaticModes,
     left_out,
     share_of_film,
@@ -261,8 +261,8 @@ def test_all_answers_in_the_modes_leave_nothing():
 
 def test_the_gap_is_compared_with_the_film_at_the_same_point():
     missed = np.array([[[1e-8, -3e-8], [2e-9, 5e-7]]])
-    film = np.array([[[1e-6, 2e-6], [THIN / 10, np.inf]]])
-    assert share_of_film(missed, film) == pytest.approx(2e-9 / THIN)  # 1, 1.5, 2 and 0 %
+    film = np.array([[[1e-6, 2e-6], [THIN_FILM / 10, np.inf]]])
+    assert share_of_film(missed, film) == pytest.approx(2e-9 / THIN_FILM)  # 1, 1.5, 2 and 0 %
 
 
 def test_forces_reach_the_stations_with_their_resultant_and_moment():

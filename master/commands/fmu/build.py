@@ -14,8 +14,8 @@ from ..common import (
     native_platforms,
     parse_changes,
     parse_grid,
+    print_line,
     say,
-    tell,
 )
 
 
@@ -69,7 +69,7 @@ def command(
     else:
         changed = open_case(case, dict(parse_changes(set_)), only)
         origin = changed, {"mfbd": "bodies"}.get(source, source)
-    made = build_fmu(
+    fmu = build_fmu(
         *origin,
         output=output,
         options={"grid": parse_grid(grid)} if grid else {},
@@ -77,4 +77,4 @@ def command(
         platforms=native_platforms(platform, native),
         say=say,
     )
-    tell(str(made))
+    print_line(str(fmu))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ...case.contract import check_fmu
 from ...fmi.errors import BadInput
-from ..common import tell
+from ..common import print_line
 
 
 def command(fmu: Path, /):
@@ -21,7 +21,7 @@ def command(fmu: Path, /):
     """
     role, breaches, remarks = check_fmu(fmu)
     for line in remarks:
-        tell(f"remark: {line}", markup=False)
+        print_line(f"remark: {line}", markup=False)
     if breaches:
         raise BadInput([f"{fmu}, {line}" for line in breaches])
-    tell(f"[green]{fmu} can take part as {role}[/]")
+    print_line(f"[green]{fmu} can take part as {role}[/]")

@@ -11,7 +11,7 @@ from ...case.export import experiment_ahead, export_fmu
 from ...case.ssp import export_ssp
 from ...case.system import open_system
 from ...fmi.errors import BadInput
-from ..common import Changes, Only, OutputFile, native_platforms, parse_changes, say, tell
+from ..common import Changes, Only, OutputFile, native_platforms, parse_changes, print_line, say
 
 
 def command(
@@ -67,13 +67,13 @@ def command(
         system = open_python(checked, path.parent, fmi)
         export_ssp(tree, system, output)
         own = [name for name, table in checked.participants.items() if table.package]
-        made = [system.participants[name].path for name in own]
+        files = [system.participants[name].path for name in own]
     else:
-        made = [export_fmu(checked, path.parent, say, fmi, platforms)]
-        output.write_bytes(made[0].read_bytes())
-    for one in () if native else made:
+        files = [export_fmu(checked, path.parent, say, fmi, platforms)]
+        output.write_bytes(files[0].read_bytes())
+    for one in () if native else files:
         compile_code(one, say)
-    tell(str(output))
+    print_line(str(output))
 
 
 def open_python(case, folder, fmi):
@@ -90,5 +90,5 @@ def open_python(case, folder, fmi):
     ]
     if others:
         raise BadInput(others)
-    how = {"version": fmi, "experiment": experiment_ahead(case, folder)}
-    return open_system(case.model_copy(update={"native": None}), folder, say, how=how)
+    options = {"version": fmi, "experiment": experiment_ahead(case, folder)}
+    return open_system(case.model_copy(update={"native": None}), folder, say, fmu_options=options)

@@ -11,7 +11,7 @@ from ...case.keys import range_of
 from ...case.wires import TUNABLE, kind_of
 from ...fmi.variables import END
 from ...participants.open import open_fmu
-from ..common import tell, wide_console
+from ..common import print_line, wide_console
 
 ORDER = ("input", "output", "parameter", "structuralParameter", "calculatedParameter", "local")
 """Causalities in the order of the table."""
@@ -43,7 +43,7 @@ def command(
         print_table(sorted(participant.fields.values(), key=_order))
         return
     for line in summary(participant, fmu):
-        tell(line, markup=False)
+        print_line(line, markup=False)
 
 
 def _order(field):
@@ -55,8 +55,8 @@ def summary(participant, fmu):
     model = participant.description
     fields = participant.fields.values()
     yield f"{model.modelName}, FMI {model.fmiVersion}: {model.description or 'no description'}"
-    made = [model.author, model.generationTool, model.generationDateAndTime, model.license]
-    yield f"made by    {', '.join(filter(None, made)) or 'not stated'}"
+    origin = [model.author, model.generationTool, model.generationDateAndTime, model.license]
+    yield f"made by    {', '.join(filter(None, origin)) or 'not stated'}"
     with ZipFile(fmu) as archive:
         names = sorted({n.split("/")[1] for n in archive.namelist() if n.startswith("binaries/")})
     yield f"runs on    {', '.join(filter(None, names)) or 'no platform: it has no binaries'}"

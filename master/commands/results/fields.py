@@ -5,7 +5,7 @@ from pathlib import Path
 from ...fmi.errors import BadInput
 from ...results import fields_export as exports
 from ...results.instants import instant
-from ..common import Moment, OutputFile, Whole, open_run, tell
+from ..common import Moment, OutputFile, Whole, open_run, print_line
 
 
 def command(
@@ -45,4 +45,4 @@ def command(
     moment = None if time is None else instant(results, time)
     blocks = [exports.chosen(exports.read_block(results, text), moment, i, j) for text in field]
     exports.write_csv(blocks, output, exports.grid_positions(case, results, blocks[0]))
-    tell(f"fields   {output}")
+    print_line(f"fields   {output}")

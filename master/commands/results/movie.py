@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ...runs.working import working
-from ..common import OutputFile, Whole, body_skins, console, open_runs, say, tell
+from ..common import OutputFile, Whole, body_skins, console, open_runs, print_line, say
 
 
 def command(
@@ -60,4 +60,4 @@ def command(
     else:
         with working(console, "drawing frames", frames, typical=0.1):
             write_movie(described, results, field, frames, target)
-    tell(f"movie    {target}")
+    print_line(f"movie    {target}")

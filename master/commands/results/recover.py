@@ -6,7 +6,7 @@ from ...api.bodies import OFFLINE
 from ...fmi.errors import BadInput
 from ...fmi.tree import import_part
 from ...results.instants import instant, instant_text
-from ..common import Moment, OutputFolder, bodies_of, case_folder, say, tell
+from ..common import Moment, OutputFolder, bodies_of, case_folder, print_line, say
 
 PORT = "{}.modal_coordinate"
 
@@ -52,11 +52,11 @@ def command(
         begin = (output or file.parent) / f"{file.stem}-{1e6 * recorded.time:.0f}us"
         for body in import_part(OFFLINE).recover(table, folder, recorded.values, begin, say):
             stress = "" if body.largest_stress is None else stress_in_words(body.largest_stress)
-            tell(
+            print_line(
                 f"{instant_text(results, recorded.time)}  {body.name}: displacement up to "
                 f"{1e6 * body.largest_displacement:.4g} \N{MICRO SIGN}m{stress}"
             )
-            tell(f"file  {body.file}")
+            print_line(f"file  {body.file}")
 
 
 def stress_in_words(peak) -> str:

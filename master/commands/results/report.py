@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ...results.compare import agreement, read_measured
 from ...runs.working import working
-from ..common import OutputFolder, console, open_runs, page_of, tell
+from ..common import OutputFolder, console, open_runs, page_of, print_line
 
 
 def command(
@@ -38,4 +38,4 @@ def command(
     compared = agreement(runs, read_measured(measured)) if measured else None
     with working(console, "drawing the page"):
         page = page_of(described, runs, output, source=case, measured=compared)
-    tell(f"report   {page}")
+    print_line(f"report   {page}")

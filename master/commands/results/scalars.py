@@ -4,7 +4,7 @@ import csv
 from pathlib import Path
 
 from ...fmi.errors import BadInput
-from ..common import OutputFile, open_run, tell
+from ..common import OutputFile, open_run, print_line
 
 
 def command(file: Path, /, *, output: OutputFile):
@@ -30,4 +30,4 @@ def command(file: Path, /, *, output: OutputFile):
         rows = csv.writer(target, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
         rows.writerow(["time", *columns])
         rows.writerows(zip(*(values.tolist() for values in (results.time, *columns.values()))))
-    tell(f"scalars  {output}")
+    print_line(f"scalars  {output}")

@@ -8,7 +8,7 @@ import numpy as np
 from ...fmi.errors import BadInput, unknown
 from ...results.file import open_results
 from ...results.instants import instant, instant_text
-from ..common import Moment, OutputFile, tell
+from ..common import Moment, OutputFile, print_line
 
 
 def command(file: Path, /, *, participant: str, output: OutputFile, time: Moment | None = None):
@@ -53,4 +53,4 @@ def command(file: Path, /, *, participant: str, output: OutputFile, time: Moment
             for name in results.file["fields"][participant]
         }
     output.write_text(json.dumps(values, indent=1))
-    tell(f"snapshot {output}   t = {instant_text(results, instants[k])}")
+    print_line(f"snapshot {output}   t = {instant_text(results, instants[k])}")

@@ -9,7 +9,7 @@ failure.
 
 from typing import Any
 
-from ...participants.plugins import made
+from ...participants.plugins import from_plugin
 from .explicit import Explicit
 from .newton import Newton
 from .quasi_newton import QuasiNewton
@@ -39,7 +39,7 @@ METHODS = ("newton", "iqn_ils", "aitken", "constant", "explicit")
 def method_of(coupling: Any) -> Method:
     """Return the method of a case's coupling table, as `coupled.Coupling` or `schema.Coupling`."""
     if coupling.method not in METHODS:
-        return made("methods", coupling.method, coupling)
+        return from_plugin("methods", coupling.method, coupling)
     advanced = coupling.advanced
     if coupling.method == "newton":
         return Newton(coupling.max_iterations, differences=advanced.differences)

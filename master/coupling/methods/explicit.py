@@ -26,7 +26,7 @@ OPPOSITE, UNDAMPED = 0.2, 0.98
 least share of its size. In RISES macro steps it then loses less than a fifth.
 """
 LASTING = 0.45
-"""Least share of the last residual above which one lasts, so that it is compared at all."""
+"""Share of the last residual above which a residual lasts. Only such residuals are compared."""
 STEADY, LEAST_GROWTH = 1e-3, 1.02
 """Largest change of a growth factor that counts as constant over RISES macro steps, and the least
 factor. Powers of time up to the fourth, which grow by a falling factor, stay below.

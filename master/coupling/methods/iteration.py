@@ -9,7 +9,7 @@ from ...fmi.compiled import compilable
 from ..vector import Array, Evaluation, Layout, Positions, moved, put
 from .krylov import Goal, Pairs, first_columns, forget, learn, length, minimise
 
-NONE = -1.0
+NO_FAILURE = -1.0
 """Failure of an iteration that converged, or in which a participant rejected a call."""
 SENTENCES = {
     "not_finite": "a participant's output is not finite",
@@ -17,13 +17,11 @@ SENTENCES = {
     "too_many": "no convergence in {i} iterations: {a} of what is allowed is left, {b} at best",
 }
 
+MIRROR_TOLERANCE = 0.1
+"""Largest difference between the residuals of mirror images, as a share of the allowed residual, up
+to which half of a field is iterated."""
 
-ODD = 0.1
-"""Largest difference of the residuals of mirror images, as a share of their tolerance, with which
-half of a field is iterated."""
-
-
-OF_GUESS = 0.1
+GUESS_TOLERANCE = 0.1
 """Measure up to which a first guess is accepted. Guesses that are extrapolated from accepted ones
 drift by the tolerance, and a film answers its correction in a short step by a high pressure.
 """
@@ -62,7 +60,7 @@ class NewtonSystem(NamedTuple):
     unknowns, images : ndarray of int, shape (unknowns,)
         Positions of the unknowns and of their mirror images, which have the same values.
     scale, limits : ndarray, shape (unknowns,)
-        Of the unknowns, and bounds on the scaled residual.
+        Scale of the unknowns, and bounds on the scaled residual.
     seed : ndarray, shape (size,)
         Argument of `derivative`; 0 except for the unknowns.
     products : ndarray, shape (most, size)
@@ -97,7 +95,7 @@ class Iterated(NamedTuple):
     first : ndarray
         First update, empty without one.
     failure : float
-        Number as in `FAILURES`, or `NONE`.
+        Number as in `FAILURES`, or `NO_FAILURE`.
     is_converged : bool
     """
 
@@ -126,7 +124,8 @@ def product(linear: NewtonSystem, k: int, direction: Array, out: Array):
 def excess(linear: NewtonSystem, residual: Array):
     """Return 1 if no element of a scaled residual exceeds its limit, else 2.
 
-    A residual within all limits is no longer than they are, so its length is compared first.
+    If no element exceeds its limit, the norm of the residual is at most that of the limits.
+    Therefore `minimise` compares the norms first.
     """
     return 1.0 if (np.abs(residual) <= linear.limits).all() else 2.0
 
@@ -135,12 +134,12 @@ def excess(linear: NewtonSystem, residual: Array):
 def unknowns_of(answer: Answer, layout: Layout, pairs: Pairs):
     """Return the unknowns of an update and their mirror images, see `Layout`.
 
-    All are unknowns once a residual differs from that of its mirror image by more than `ODD`.
+    All are unknowns once the residuals of mirror images differ by more than `MIRROR_TOLERANCE`.
     """
     if pairs.is_whole[0] == 0.0:
         r = answer.at.residual
-        odd = np.abs(r[layout.half] - r[layout.images])
-        if (odd <= ODD * answer.allowed[layout.half]).all():
+        difference = np.abs(r[layout.half] - r[layout.images])
+        if (difference <= MIRROR_TOLERANCE * answer.allowed[layout.half]).all():
             return layout.half, layout.images
         forget(pairs)
         pairs.is_whole[0] = 1.0
@@ -179,7 +178,7 @@ def field_update(
         seed=np.zeros(size),
         products=products,
     )
-    # no element is larger than it may be only where the whole is not
+    # see `excess`: if the norm exceeds that of the limits, so does an element
     goal = Goal(rules.forcing * length(right), length(linear.limits))
     most = rules.largest_krylov_space
     solved = minimise(product, excess, linear, right, goal, known, most)  # Eq. (Q1)
@@ -215,22 +214,30 @@ def scalar_update(derivative: Any, step: Any, at: Evaluation, layout: Layout):
 
 @compilable
 def accepted_of(evaluations: int, most: int):
-    """Return the measure up to which the last of some evaluations is accepted, of `most` at most.
+    """Return the measure up to which an evaluation is accepted.
 
-    With one evaluation at most, a guess is accepted as every other iterate.
+    The first evaluation is that of the guess. If it is also the last one, `most` = 1, it is
+    accepted as every other iterate.
+
+    Parameters
+    ----------
+    evaluations : int
+        Number of the evaluation, from 1.
+    most : int
+        Maximum number of evaluations.
     """
-    return OF_GUESS if evaluations == 1 and most > 1 else 1.0
+    return GUESS_TOLERANCE if evaluations == 1 and most > 1 else 1.0
 
 
 @compilable
 def failure_of(outputs: Array, history: Array, most: int):
-    """Return the number of the reason to end an iteration without a solution, or `NONE`."""
+    """Return the number of the reason to end an iteration without a solution, or `NO_FAILURE`."""
     last = history[-1]
     if not last < np.inf and not np.isfinite(outputs).all():
         return FAILURES.not_finite
     if len(history) > 3 and last > 1e3 * np.min(history):
         return FAILURES.grows
-    return FAILURES.too_many if len(history) == most else NONE
+    return FAILURES.too_many if len(history) == most else NO_FAILURE
 
 
 @compilable
@@ -271,12 +278,12 @@ def converge(
     history[0] = answer.measure
     count = 1
     products = 0
-    failure = NONE
+    failure = NO_FAILURE
     accepted = accepted_of(count, rules.max_iterations)
     while not answer.measure <= accepted:
         accepted = 1.0
         failure = failure_of(answer.at.outputs, history[:count], rules.max_iterations)
-        if failure != NONE:
+        if failure != NO_FAILURE:
             break
         change, more, is_answered = update(step, answer, rules, layout, pairs)
         products += more

@@ -11,15 +11,15 @@ from ...fmi.block import keep
 from ...fmi.compiled import compilable, standing_for
 from ..vector import put
 
-KEPT = 80
+STORED_PAIRS = 80
 """Pairs kept from one solve to the next. The numerical example with 60 modes a body, 200 steps from
 rest: 5600 products with 40 pairs, 3800 with 60 to 80, 4000 with 100, 4800 with 160; after the first
 90 steps 12.7 an update with 40, 6.8 with 80, 6.4 with 160.
 """
 
 NOISE = 1e-5
-"""Of a product's squared length: what nearly parallel products of different times disagree on
-counts as noise.
+"""Noise, relative to the squared length of a product: differences of nearly parallel products of
+different times.
 """
 
 KEPT_OF_COORDINATES, NOISE_OF_COORDINATES = 60, 3e-7
@@ -28,12 +28,14 @@ with its bore, while the film moves. Products of the numerical example, 360 step
 2819 with noise 3e-8, 2834 with 80 pairs, 3801 with noise 1e-5.
 """
 
-PER_DIRECTION = 1.3
-MORE = 4.0
-"""Pairs in use: so many for each direction that they tell apart, and so many more. Products of the
-numerical example with rigid bodies (4 directions; 180 steps from rest), `floating_pin` (10; 60 deg)
-and `fired_motorcycle` (40; 120 deg) with all of `KEPT`: 504, 331 and 3076; with 2 for each and 2
-more 416, 277 and 3001; with these 416, 272 and 2824. With 60 modes a body (70) all are in use.
+PAIRS_PER_DIRECTION = 1.3
+EXTRA_PAIRS = 4.0
+"""Pairs in use: `PAIRS_PER_DIRECTION` for each direction that they span, and `EXTRA_PAIRS` more.
+
+Products of the numerical example with rigid bodies (4 directions; 180 steps from rest),
+`floating_pin` (10; 60 deg) and `fired_motorcycle` (40; 120 deg) with all of `STORED_PAIRS`: 504,
+331 and 3076. With 2 for each and 2 more: 416, 277 and 3001. With these: 416, 272 and 2824. With 60
+modes a body (70 directions), all are in use.
 """
 
 Array = np.ndarray
@@ -113,10 +115,10 @@ def minimise(
     product : callable(system, k, v, out)
         Writes the k-th product A v; whether there is one.
     excess : callable(system, residual)
-        The largest element of a residual over its limit. It is asked again where the residual
-        is shorter by half of that.
+        Returns the largest ratio of an element of a residual to its limit. Above 1, it is called
+        again when the norm of the residual has decreased by half of this ratio.
     system : object
-        Of both.
+        First argument of both.
     right : ndarray, shape (n,)
     goal : Goal
     pairs : Pairs
@@ -221,7 +223,7 @@ def pairs_in_use(pairs: Pairs):
     factor = inverse_factor(gram[rows][:, rows] + noise * np.eye(known))
     flat = factor.reshape(factor.size)
     directions = known - noise * (flat @ flat)
-    used = min(known, int(np.ceil(PER_DIRECTION * directions + MORE)))  # Eq. (Q11)
+    used = min(known, int(np.ceil(PAIRS_PER_DIRECTION * directions + EXTRA_PAIRS)))  # Eq. (Q11)
     inverse = np.zeros((used, capacity))
     for i in range(used):
         put(inverse[i], rows, factor[i])
@@ -341,8 +343,8 @@ def learn(pairs: Pairs, space: Space, count: int):
 
 
 @compilable
-def no_pairs(unknowns: int, most: int = KEPT, noise: float = NOISE):
-    """Return room for the pairs of solves, `most` at most, none of which is in use."""
+def no_pairs(unknowns: int, most: int = STORED_PAIRS, noise: float = NOISE):
+    """Return a memory for at most `most` pairs, without pairs in use."""
     capacity = min(most, unknowns)
     rows = np.zeros((2, capacity, unknowns))
     return Pairs(
@@ -380,8 +382,7 @@ class RecycledGmres:
     the A of that time on the space spanned by Z, and the identity elsewhere. GMRES works with A P,
     so a stale P costs products, never accuracy.
 
-    Few directions need few pairs. What is older than these adds nothing but its age: it is left out
-    for good, neither fetched nor weighed against what is newer.
+    Few directions need few pairs. Older pairs do not improve P, so they are removed permanently:
 
     Eq. (Q11):  pairs <= 1.3 d + 4,   d = tr Z' Z (Z' Z + n I)^-1
 

@@ -6,14 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from .iteration import FAILURES, NONE, SENTENCES, Answer, Update, converge, field_update
+from .iteration import FAILURES, NO_FAILURE, SENTENCES, Answer, Update, converge, field_update
 from .krylov import RecycledGmres
 from .probing import ProbedStep
 from .solution import NotConverged, Solution, Tried, check_finite
 
-SINGULAR = 1e-8
-"""Largest |(I - J) dx| / |dx| of a loop that counts as singular; differences are good to 1e-11."""
-STALLED = 0.5
+SINGULAR_RATIO = 1e-8
+"""Largest |(I - J) dx| / |dx| of a loop that counts as singular. The error of differences is
+1e-11."""
+STALL_RATIO = 0.5
 """The second half of an iteration that stays above this share of the first half's best has stalled.
 """
 
@@ -62,7 +63,7 @@ class Newton:
         history = end.history.tolist()
         if end.failure == FAILURES.not_finite:
             check_finite(interface, end.at, history)
-        if end.failure != NONE:
+        if end.failure != NO_FAILURE:
             reason = tuple(SENTENCES.values())[int(end.failure)].partition(":")[0]
             stop = NotConverged(reason.format(i=len(history)), interface, end.at, history)
             stop.cause = partial(_cause, macro_step, guess, end.first, history)
@@ -98,8 +99,8 @@ def _cause(macro_step: Tried, guess: np.ndarray, first: np.ndarray, history: lis
     scale = macro_step.interface.nominal[unknowns]
     macro_step.evaluate(guess)
     left = first[unknowns] - macro_step.derivative(first)[unknowns]
-    if np.linalg.norm(left / scale) <= SINGULAR * np.linalg.norm(first[unknowns] / scale):
+    if np.linalg.norm(left / scale) <= SINGULAR_RATIO * np.linalg.norm(first[unknowns] / scale):
         return "the loop has no solution near here, its equations are singular"
-    if min(history[half:]) > STALLED * min(history[:half]):
+    if min(history[half:]) > STALL_RATIO * min(history[:half]):
         return "the residual stalls; an output jumps, or the loop has no solution"
     return "the loop is far from its solution; take a shorter macro step"

@@ -22,7 +22,7 @@ class ProbedStep:
         self.base: Evaluation | None = None
 
     def evaluate(self, x: np.ndarray) -> Evaluation:
-        """`MacroStep.evaluate`; probes start from the last one."""
+        """Evaluate as `MacroStep`, and save the result for probes."""
         self.base = self.macro_step.evaluate(x)
         return self.base
 

@@ -22,9 +22,9 @@ class QuasiNewton:
     Eq. (Q8):  x_{k+1} = x_k + X c + (r_k + V c),   r_k = G(x_k) - x_k,
                c from the secants (see `secants`)
 
-    Where hundreds of directions amplify, secants from a bad start mislead. With `probing`, a macro
-    step that finds no secants, or that they lead astray, is taken by Newton on differences:
-    evaluations from slightly changed iterates, each of them a secant too, and a clean one.
+    If the loop amplifies hundreds of directions, secants from a bad start fail. With `probing`, a
+    macro step without secants, or for which they fail, uses Newton's method with differences. They
+    are evaluations of slightly changed iterates, and each is an accurate secant.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
-"""What quasi-Newton methods learn from iterates, and a way to an update from it.
+"""Secant pairs of quasi-Newton methods, and updates from them.
 
-A secant pair is a change of the unknowns (the feedback wires) and the change of their residual that
-came with it, both in nominals, newest first. A way is a memory of pairs: it collects them by
-`learn`, returns the answer to a residual by `update`, and accepts the macro step by `close`.
-Memories are plain data, which a checkpoint holds; see `coupling.freezing`. One more way is a
-plug-in, models/elastic_tube/secants.py.
+A secant pair is a change of the unknowns (the feedback wires) and the resulting change of their
+residual, both in nominal values, newest first. The classes here are memories of pairs. `learn` adds
+pairs, `update` returns the update for a residual, and `close` ends an accepted macro step. Memories
+are plain data, which a checkpoint contains; see `coupling.freezing`. The plug-in
+models/elastic_tube/secants.py is another such class.
 """
 
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ from .filtering import filtered
 
 
 class Secants(Protocol):
-    """A way to an update from secant pairs, with its memory of them."""
+    """Memory of secant pairs that returns updates."""
 
     @property
     def empty(self) -> bool: ...
@@ -49,7 +49,7 @@ class LeastSquares:
     Eq. (Q4):  dx = X c + m (r + V c),   c = argmin |V c + r|,   V = [dr_1, ..],  X = [dx_1, ..]
 
     It runs in residual-sum scaling: nominals first, then each wire divided by its share of the
-    residuals seen in this macro step, so that no field drowns another.
+    residuals seen in this macro step, so that no field dominates the others.
 
     windows : accepted macro steps whose pairs are used again; limit : of the filter; now, past :
     pairs of the running macro step and of accepted ones; shares : residuals seen by wire.

@@ -41,11 +41,11 @@ class MacroStep(NamedTuple):
 class Solution(NamedTuple):
     """An accepted macro step.
 
-    x : the wires at its end, which the next step goes by; held : what the inputs were set to where
-    that is something else, in a step that was not iterated; history : `Interface.measure` of every
-    iteration; jacobians : linearisations; products : directional derivatives of the whole
-    evaluation; probes : evaluations that took their place; messages : warnings, each the name of a
-    wire and a text; unsettled : number of discrete wires that were held because they do not settle.
+    x : the wires at its end, from which the next step starts; held : inputs that differ from `x`
+    in a step that was not iterated; history : `Interface.measure` of every iteration; jacobians :
+    number of linearisations; products : number of directional derivatives of the whole evaluation;
+    probes : number of evaluations that replaced them; messages : warnings, each the name of a wire
+    and a text; unsettled : number of discrete wires that were held because they do not settle.
     """
 
     x: np.ndarray
@@ -69,7 +69,7 @@ class Solution(NamedTuple):
 
 
 class Tried(Protocol):
-    """A macro step as a method sees it: `MacroStep`, or one that answers in its place."""
+    """A macro step for a method: `MacroStep`, or an object that replaces it."""
 
     @property
     def interface(self) -> Interface: ...
@@ -78,7 +78,7 @@ class Tried(Protocol):
 
 
 class Method(Protocol):
-    """A way to the fixed point of a macro step."""
+    """Method that finds the fixed point of a macro step."""
 
     def memory(self) -> Any:
         """Return what the method carries from one macro step to the next, None if nothing."""

@@ -44,8 +44,8 @@ function chartHead(figure, drawn) {
   download.onclick = () => save((drawn.title || "chart").replace(/[^\w-]+/g, "_") + ".csv", tableOf(drawn));
   const values = element("span", head, "", "values");
   for (const band of drawn.bands || [])
-    element("span", values, `${band.low === band.high ? "dashed" : "green"}: ${band.said}`, "dim");
-  if (drawn.corridor) element("span", values, `grey: ${drawn.corridor.said}`, "dim");
+    element("span", values, `${band.low === band.high ? "dashed" : "green"}: ${band.text}`, "dim");
+  if (drawn.corridor) element("span", values, `grey: ${drawn.corridor.text}`, "dim");
   return values;
 }
 

@@ -261,5 +261,5 @@ function drawLegend(film) {
   }
   if (pressure) element("span", parent, "+ highest pressure");
   if (fraction) addLine("sample dashed", `film ruptures (film fraction ${RUPTURE})`);
-  if (layer.runs.some(run => run?.there)) element("span", parent, "grey: no film");
+  if (layer.runs.some(run => run?.cells)) element("span", parent, "grey: no film");
 }

@@ -13,7 +13,7 @@ const always = [];    // ... and those of bodies and details
 // Data
 const column = ([begin, count]) => numbers.subarray(begin, begin + count);
 const nearest = (rising, value) => d3.bisectCenter(rising, value);
-const has = (run, cell) => !run.there || run.there[cell] === "1";
+const has = (run, cell) => !run.cells || run.cells[cell] === "1";
 const shows = run => chosen.run < 0 || chosen.run === run;
 const colourOf = run => run < 0 ? "var(--ink)" : `var(--run${run % data.palette.length})`;
 const withUnit = (value, unit) => digits(value) + (unit ? " " + unit : "");
@@ -136,7 +136,7 @@ async function showDetails() {
   const sections = [...data.films.map(carpetsOf), ...data.sections].filter(section => section.drawn.length);
   for (const section of sections) {
     element("h2", parent, section.title);
-    if (section.said) element("p", parent, section.said);
+    if (section.text) element("p", parent, section.text);
     await drawSectionCharts(element("div", parent, "", "charts"), section);
   }
 }

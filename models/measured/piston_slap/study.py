@@ -141,7 +141,9 @@ def run_designs(designs, output, workers):
     """Run every design; return the rows of the sweep."""
     output.mkdir(parents=True, exist_ok=True)
     named = [dict(zip(FACTORS, map(float, design))) for design in designs]
-    points = sweep.resolved(CASE, list(zip(named, (changes_of(one, output) for one in designs))))
+    points = sweep.checked_points(
+        CASE, list(zip(named, (changes_of(one, output) for one in designs)))
+    )
     sweep.build_all(sweep.unfinished(points, output), CASE.parent, print)
 
     def watch(row, done, total):
