@@ -28,7 +28,6 @@ from piston_cosim.fmu_mfbd.dynamics.start_state import check_start, read_start
 from piston_cosim.fmu_mfbd.dynamics.step import others_at
 from piston_cosim.fmu_mfbd.dynamics.system import skirt_modes
 from piston_cosim.fmu_mfbd.force_elements.land_contact import LAND_CONTACT, LandParameters
-from piston_cosim.fmu_mfbd.geometry.pin import turned
 from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
 from piston_cosim.fmu_mfbd.mechanism.cylinder import piston_of
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
@@ -41,13 +40,10 @@ from .differences import products_by_differences, rough_change
 from .pin_models import (
     BLOCK_MODES,
     CRITICAL,
-    MAIN,
     MODELS,
     PARAMETERS,
     RINGS,
-    SETS,
     STEP,
-    UNBALANCE,
     Springs,
     block_model,
     bodies,
@@ -63,7 +59,6 @@ from .pin_models import (
     tied_model,
     yielding_bodies,
 )
-from .test_crank_films import Points, second_derivative
 
 
 def forces_of_all(model, inputs):
@@ -146,37 +141,6 @@ def test_derivatives_with_the_motion_of_a_block_are_differences(name):
     for moved in (change, replace(change, carrier=Carrier(0.3, -0.2, 0.7, 1e-3))):
         products = products_by_differences(model, before, base, moved, STEP, 3e-6)
         assert {*ON_BLOCK, *MOTION} <= products.keys()
-
-
-def test_forces_on_a_mounted_block_change_the_momentum_in_space():
-    """Force and moment, films on all bearings, from positions of mass points in space alone.
-
-    The moment excludes what turns the unbalance about the crank axis, which is the drive's.
-    """
-    model = crank_model()
-    *_, out = carried_way(model, MOVING)
-    points, now, crank = Points(SETS[-1]), model._last.now, model._last.crank
-    masses, inertias = points.inertias()
-    of_crank = -(UNBALANCE**2) / MAIN.crank_mass
-
-    def at(t):
-        angle = crank.angle + t * crank.speed + t**2 / 2 * crank.acceleration
-        position = now.position + t * now.velocity + t**2 / 2 * now.acceleration
-        roll = t * MOVING.w + t**2 / 2 * MOVING.alpha
-        places, turns = points.places(position, angle)
-        origin = t**2 / 2 * np.array([MOVING.ax, MOVING.ay])
-        return origin + places @ turned(roll).T, np.array([*turns, angle]) + roll
-
-    places, _ = at(0.0)
-    pull = masses[:, None] * second_derivative(lambda t: at(t)[0], 0.0, 2e-5)
-    turning = second_derivative(lambda t: at(t)[1], 0.0, 2e-5) @ np.array([*inertias, of_crank])
-    force = np.array([out["force_on_block_x"], out["force_on_block_y"]])
-    size = np.abs(pull).max()
-    np.testing.assert_allclose(force, -pull.sum(axis=0), atol=1e-6 * size)
-    moment = float(np.sum(places[:, 0] * pull[:, 1] - places[:, 1] * pull[:, 0])) + turning
-    drive = out["crank_torque"] - model.model.settings.crank_inertia * crank.acceleration
-    arm = PARAMETERS.rod_length
-    assert out["moment_on_block"] == pytest.approx(drive - moment, abs=1e-6 * size * arm)
 
 
 # ---- a free crank
