@@ -273,6 +273,21 @@ def test_gmres_minimises_the_residual_and_counts_its_products():
     assert gmres.solve(doubled, np.array([1e-4, 0.1]), within(1e-4, 0.1)).products == 0
 
 
+def test_gmres_looks_at_every_element_of_the_residual():
+    # one product along (1, 1) leaves (1, 1) - 3/5 (2, 1) = (-1/5, 2/5), of length 0.447
+    for elements, size, products in (
+        ((0.21, 0.41), 0.0, 1),
+        ((0.19, 0.9), 0.0, 2),
+        ((0.9, 0.39), 0.0, 2),
+        ((0.0, 0.0), 0.45, 1),
+        ((0.0, 0.0), 0.44, 2),
+        ((np.inf, 0.41), 0.0, 1),
+        ((np.inf, 0.39), 0.0, 2),
+    ):
+        found = Gmres(5).solve(doubled, np.ones(2), within(*elements, size=size))
+        assert found.products == products, elements
+
+
 @pytest.mark.parametrize(
     "history, expected",
     [
