@@ -1,7 +1,8 @@
 """A piston that moves in space.
 
 Gap, forces and inertia are computed by hand. The piston in its plane is the symmetric case.
-Other tests cover closed forms, derivatives, and points of mass with large rotations.
+Other tests cover closed forms, derivatives, and a free body and a whole stroke against Newton
+and Euler with large rotations.
 """
 
 import dataclasses
@@ -25,9 +26,11 @@ from piston_cosim.fmu_mfbd.dynamics.motion_in_space import (
     SpaceBodies,
     SpaceBody,
     SpaceLoad,
+    Spin,
     Stop,
     imbalance,
     inertia,
+    needed,
     stop_force,
     tangent,
 )
@@ -607,6 +610,31 @@ def test_a_held_tilt_is_where_roll_counts_from():
         one = space_model(SYMMETRIC, parameters=parameters)
         gaps.append(one.start_moving(0.3, at, 0 * at, still)[1]["film_thickness"])
     np.testing.assert_allclose(gaps[0], gaps[1], atol=1e-18)
+
+
+def exact_needed(acceleration, axes, omega, change):
+    """Return force and moment by Newton and Euler, for axes (3, 3) of any rotation."""
+    first = axes @ S
+    tensor = axes @ J @ axes.T
+    force = MASS * acceleration + np.cross(change, first)
+    force = force + np.cross(omega, np.cross(omega, first))
+    moment = np.cross(first, acceleration) + tensor @ change
+    return force, moment + np.cross(omega, tensor @ omega)
+
+
+def test_inertia_forces_against_large_rotations():
+    """The same motion by rotation matrices: what is left falls with the square of the tilt."""
+    rng = np.random.default_rng(2)
+    acceleration, w, change = rng.standard_normal((3, 3))
+    body = SpaceBody(MASS, S, J)
+    apart = []
+    for size in (1e-2, 1e-3):
+        t = size * np.array([0.6, -0.8, 0.0])
+        found = needed(body, Spin(acceleration, t, w, change))
+        wanted = exact_needed(acceleration, Rotation.from_rotvec(t).as_matrix(), w, change)
+        apart.append([np.abs(a - b).max() for a, b in zip(found, wanted)])
+    ratio = np.array(apart[0]) / apart[1]
+    assert (np.abs(ratio - 100) < 3).all()
 
 
 def test_energy_of_the_body_closes():
