@@ -9,7 +9,6 @@ from piston_cosim.fmu_ehd.laws.circumferential import gradients_around
 from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.parameters import Parameters, faults
 from piston_cosim.master.fmi.errors import BadInput
-from piston_cosim.tests.verification.cases import bearings
 from piston_cosim.tests.verification.cases.motored import film_after, motored_until, tangent_error
 
 from .fuzz import made_slave
@@ -294,12 +293,3 @@ def test_a_film_called_like_the_other_surface_raises():
     assert (outputs["nodal_circumferential_force"] < 0.0).all()
     of_film, *_ = bearing.tangent(1.0)
     assert of_film.shape == SHAPE
-
-
-def test_force_of_a_short_film_is_that_of_the_closed_form():
-    """Eq. (V8) against Eq. (V6): a journal at rest that turns."""
-    position = np.array([-0.6 * bearings.CLEARANCE, 0.0])
-    omega = bearings.SPEED / bearings.RADIUS
-    force = bearings.short_film_force(position, np.zeros(2), 4e-3, omega)
-    # the kink at p = 0 costs the square of the angle between two of 720 points
-    assert np.hypot(*force) == pytest.approx(bearings.short_load(4e-3, 0.6), rel=1e-4)

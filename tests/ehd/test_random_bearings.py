@@ -8,6 +8,8 @@ import pytest
 import piston_cosim as pc
 from piston_cosim.fmu_ehd.journal import film_force
 
+from .test_steady import oval_shell
+
 
 class Bearing(NamedTuple):
     """Film, load on its journal [N], clearance [m], elastic shells, and inputs of a call.
@@ -21,25 +23,6 @@ class Bearing(NamedTuple):
     shells: list[Any]
     inputs: dict[str, float]
     fed: bool
-
-
-class Modes(NamedTuple):
-    """Modes of a shell, as `journal.ElasticShell`."""
-
-    omega: np.ndarray
-    outward: np.ndarray
-    onward: np.ndarray
-
-
-def lobes(grid, stiffness):
-    """Return a shell that deforms in 2, 3 and 4 lobes, its stiffness that of two lobes [1/s2]."""
-    angle = 2 * np.pi * np.arange(grid[0]) / grid[0]
-    number = np.repeat([2, 3, 4], 2)
-    phase = np.tile([0.0, np.pi / 2], 3)
-    along = np.ones((1, grid[1], 1))
-    cosine = np.cos(number * angle[:, None] - phase)[:, None] * along
-    sine = np.sin(number * angle[:, None] - phase)[:, None] * along
-    return Modes(np.sqrt(stiffness) * number / 2, cosine, -sine / number)
 
 
 def uniform(rng, low, high):
@@ -82,7 +65,7 @@ def drawn(seed):
     shells = []
     if rng.random() < 0.3:
         # a share of the clearance for the load on a mode
-        shells = [lobes(grid, load / (clearance * uniform(rng, 0.01, 1.0)))]
+        shells = [oval_shell(grid, load / (4.0 * clearance * uniform(rng, 0.01, 1.0)))]
     supply = rng.choice(["edges", "edge", "groove", "hole", "ambient", "none"])
     inputs = dict(circumferential_velocity=speed * rng.choice([-1.0, 1.0]))
     cells = None

@@ -18,7 +18,6 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from piston_cosim.fmu_ehd.laws.oil import Oil
 from piston_cosim.fmu_ehd.model import LubricationModel
 from piston_cosim.fmu_ehd.summary import halves
 
@@ -33,39 +32,6 @@ def along(cells):
 
 
 # ---- full film, axial flow
-
-
-@pytest.mark.parametrize("velocity", [7.0, -7.0])
-def test_inclined_pad(velocity):
-    """Inclined pad of [Hamrock2004]: film h_o (1 + K s), s from 0 at the outlet to 1, K = 1.
-
-    load      W mu U L^2 B / h_o^2,  W = (6/K^2) [ln(1+K) - 2 K/(2+K)]       = 0.158883
-    runner    F mu U L B / h_o,      F = 4 ln(1+K)/K - 6/(2+K)               = 0.772589
-    peak      P mu U L / h_o^2,      P = 3 K/[2 (1+K) (2+K)]                 = 0.25
-    flow      U B h_m / 2,           h_m = 2 h_1 h_o/(h_1 + h_o)             = 4/3 h_o
-
-    The bore is the straight runner, the skirt the sloping pad. Shear on the pad is F - K W, the
-    pressure on its slope K W. Their sum is minus the runner's force. Power is force times speed.
-    A skirt that moves up meets its oil at the upper edge. 2e-4: second order on 96 cells.
-    """
-    outlet, speed = 6e-6, abs(velocity)
-    rise = along(96) if velocity > 0.0 else 1.0 - along(96)
-    o = stepped((5, 96), outlet * (1.0 + rise), velocity)
-    scale = VISCOSITY * speed * LENGTH * WIDTH / outlet
-    order = 2e-4
-    assert o["nodal_pressure_force"].sum() == near(0.158883 * scale * LENGTH / outlet, order)
-    assert o["maximum_pressure"] == near(
-        0.25 * VISCOSITY * speed * LENGTH / outlet**2, rel=5e-4
-    )  # the peak lies between two centres
-    sign = np.sign(velocity)
-    assert o["friction_force_hydrodynamic"] == near(-sign * 0.772589 * scale, order)
-    assert o["friction_force_asperity"] == 0.0
-    assert o["friction_power"] == near(0.772589 * scale * speed, order)
-    flow = speed * WIDTH * (4.0 / 3.0 * outlet) / 2.0
-    assert o["flow_upper_edge"] == near(sign * flow, order)
-    assert o["flow_lower_edge"] == near(-sign * flow, order)
-    assert o["mass_imbalance"] <= 1e-12
-    assert o["solver_iterations"] >= 1
 
 
 def test_a_groove_around_the_skirt_with_a_supply_of_its_own():
@@ -305,64 +271,6 @@ def test_halves_of_a_grid_with_cells_on_or_beside_the_pin_axis():
 
 
 # ---- cavitation
-
-
-POCKET = np.where((along(400) > 0.1) & (along(400) < 0.25), 10e-6, 1e-6)  # 2 to 5 of 20 mm
-
-
-def pocket(velocity, film, **changes):
-    """Step the pocket slider: 20 mm, 1 um, 1 m/s, 0.01 Pa s, 100 kPa around, rupture at 50 kPa."""
-    given = dict(pressure_lower_edge=1e5, pressure_upper_edge=1e5, cavitation_pressure=5e4)
-    oil = Oil(viscosity=0.01)
-    return stepped(
-        (4, 400), film, velocity, STEADY, skirt_length=20e-3, oil=oil, **given, **changes
-    )
-
-
-@pytest.mark.parametrize("velocity", [-2.0, 2.0])
-def test_pocket_slider_conserves_oil(velocity):
-    """By hand, U = |V|, with the film H in the pocket and h elsewhere:
-
-    land   0-2 mm: p falls from p_b to p_c:   q = U h/2 + h^3/(12 mu) (p_b - p_c)/2 mm
-    cavity from 2 mm: f = 2 q/(U H)
-    pocket to 5 mm: p rises at (U H/2 - q) 12 mu/H^3
-    land   5-20 mm: p falls to p_b at (q - U h/2) 12 mu/h^3
-    so the film reforms at 5 mm - (p_max - p_c)/(slope in the pocket).
-
-    For U = 2: q = 1.0002083e-6 m2/s. Rupture and front are known to half a cell of 50 um, which is
-    1.3 % of the first land, hence of the pressure part of q (2e-4 of it) and of p_max - p_b.
-    """
-    forward = velocity < 0.0  # oil enters at the lower edge
-    o = pocket(velocity, POCKET if forward else POCKET[::-1])
-    speed, thin, deep, mu = 2.0, 1e-6, 10e-6, 0.01
-    flow = speed * thin / 2.0 + thin**3 / (12.0 * mu) * 5e4 / 2e-3
-    assert flow == near(1.0002083e-6, rel=1e-6)
-    edge = "lower" if forward else "upper"
-    assert o[f"flow_{edge}_edge"] == near(flow * WIDTH, rel=1e-5)
-    assert o["mass_imbalance"] <= 1e-12
-    fraction = o["film_fraction"][1] if forward else o["film_fraction"][1, ::-1]
-    pressure = o["pressure"][1] if forward else o["pressure"][1, ::-1]
-    friction = o["nodal_friction_force"][1] if forward else o["nodal_friction_force"][1, ::-1]
-    cavity = slice(41, 80)  # 2.05 to 4 mm
-    share = 2.0 * flow / (speed * deep)
-    assert fraction[cavity] == near(np.full(39, share), rel=1e-5)
-    assert pressure[cavity] == near(np.full(39, 5e4), rel=1e-12)
-    top = 1e5 + (flow - speed * thin / 2.0) * 12.0 * mu / thin**3 * 15e-3
-    assert top == near(475e3, rel=1e-9)
-    y = along(400)[100:] * 20e-3
-    assert pressure[100:] == near(top + (1e5 - top) * (y - 5e-3) / 15e-3, rel=1.3e-2)
-    front = 5e-3 - (top - 5e4) / ((speed * deep / 2.0 - flow) * 12.0 * mu / deep**3)
-    assert np.flatnonzero(fraction < 1.0)[-1] * 50e-6 == pytest.approx(front, abs=75e-6)
-    # the oil in the cavity shears with its share of the film, and nothing else does
-    area = WIDTH * 20e-3 / 1600
-    expected = -np.sign(velocity) * area * share * mu * speed / deep
-    assert friction[cavity] == near(np.full(39, expected), rel=1e-5)
-
-
-def test_cavity_shears_as_a_full_film_if_told():
-    o = pocket(-2.0, POCKET, cavity_shear="full_film")
-    area = WIDTH * 20e-3 / 1600
-    assert o["nodal_friction_force"][2, 60] == near(area * 0.01 * 2.0 / 10e-6, rel=1e-9)
 
 
 @pytest.mark.parametrize("velocity, edge", [(-3.0, "lower"), (3.0, "upper")])

@@ -342,31 +342,3 @@ def test_fmpy_simulates_it_alone(built, outside, kind, backend, output):
     assert times == 11
     if kind == "bodies":
         assert last == pytest.approx(1e-4 * 314.1592653589793, rel=1e-9)
-
-
-def test_directional_derivative_matches_differences(built):
-    """Central differences of a step map that is affine to 5e-5: third order in the direction."""
-    one = FmuParticipant("bodies", built("bodies", "python"))
-    one.start({}, 0.0, 1.0)
-    rng = np.random.default_rng(1)
-    shape = one.fields["film_thickness"].shape
-    loads = {"nodal_pressure_force": 0.3, "nodal_friction_force": 0.03}
-    loads = {name: size * rng.random(shape) for name, size in loads.items()}
-    seeds = {name: size * rng.standard_normal(shape) for name, size in zip(loads, (1.0, 0.1))}
-    products = ["film_thickness", "sliding_velocity"]
-    saved = one.save()
-
-    def moved(size):
-        one.restore(saved)
-        for name in loads:
-            one.set(name, loads[name] + size * seeds[name])
-        one.step(0.0, 5e-5)
-        return {name: one.get(name).copy() for name in products}
-
-    high, low = moved(0.25), moved(-0.25)
-    moved(0.0)
-    derivative = one.derivative(seeds, products)
-    for name in products:
-        difference = 2 * (high[name] - low[name])
-        assert np.abs(derivative[name] - difference).max() <= 1e-7 * np.abs(difference).max()
-    one.close()

@@ -211,15 +211,6 @@ def test_gas_and_inertia_pass_through_all_bearings(results_of):
     np.testing.assert_allclose((big + main)[given], unbalanced[given] * -1, atol=2e-2 * scale)
 
 
-def test_films_that_keep_their_oil_stay_near_the_mobility_method(results_of):
-    """The shipped films stay within an eighth of the clearance of orbits with a plain cut-off.
-
-    The films have 48 x 4 cells and cavities that oil must refill before they carry load. The
-    thinnest films agree to a tenth.
-    """
-    are_near(results_of("crank_bearings"), 0.125, 0.1)
-
-
 def test_the_exported_fmu_of_six_films_gives_the_values_of_the_run(tmp_path):
     """An importer that steps the FMU of bodies and six films repeats the recorded run.
 

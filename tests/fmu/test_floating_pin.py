@@ -8,59 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from piston_cosim.fmu_mfbd.geometry.pin import (
-    PinForces,
-    opening_of,
-    pin_surface,
-    resultants_on,
-    turned,
-)
-from piston_cosim.tests.verification.cases.bearings import (
-    CLEARANCE,
-    RADIUS,
-    SPEED,
-    VISCOSITY,
-    bearing,
-    short_load,
-    steady,
-)
-
 from .runs import is_sound, run_tree, values_of
 from .shipped import DATA_SHEET, FLOATING_PIN, PARAMETERS, PINS, firing_pin, small_pin, tied
-
-
-@pytest.mark.parametrize("eccentricity", [pytest.param(0.3, marks=pytest.mark.slow), 0.6])
-def test_a_side_load_on_a_pin_is_that_of_the_short_bearing(eccentricity):
-    """A side load on a pin has the load, attitude angle and moments of Ocvirk's bearing.
-
-    The lubrication model takes the body's film thickness in a shell turned by 0.3 rad. The pin is
-    off the axis along 1.1 rad. The tolerance of 5e-3 has the same reasons as in `verify ehd`. Half
-    the load's lever adds to the moment on the pin and reduces that on the shell. The load is that
-    of pressure: Ocvirk's has no share of the shear, which in so short a bearing is as large.
-    """
-    shape, length = (180, 24), 2 * RADIUS * 0.02
-    surface = pin_surface(RADIUS, CLEARANCE, shape)
-    axes = turned(0.3)
-    way = np.array([np.cos(1.1), np.sin(1.1)])
-    place = eccentricity * CLEARANCE * way
-    gap = surface.clearance + opening_of(surface, axes.T @ place)
-    model = bearing(shape, length, cavitation_model="gumbel", cavity_shear="full_film")
-    out = steady(model, np.ascontiguousarray(gap))
-    forces = PinForces(out["nodal_pressure_force"], out["nodal_circumferential_force"])
-    found = resultants_on(surface, forces, place, axes)
-    alone = forces._replace(circumferential=np.zeros(shape))
-    pressed = resultants_on(surface, alone, place, axes).force
-    s = np.sqrt(1 - eccentricity**2)
-    angle = np.arctan2(np.pi * s, 4 * eccentricity)
-    load = short_load(length, eccentricity)
-    assert np.hypot(*pressed) == pytest.approx(load, rel=5e-3)
-    # the film carries against the load, which the pin's place leads by the attitude angle
-    along, ahead = -pressed @ way, -pressed @ np.array([-way[1], way[0]])
-    assert np.arctan2(-ahead, along) == pytest.approx(angle, rel=5e-3)
-    couette = 2 * np.pi * VISCOSITY * SPEED * RADIUS**2 * length / CLEARANCE / s
-    lever = load * eccentricity * CLEARANCE * np.sin(angle) / 2
-    assert -found.on_pin == pytest.approx(couette + lever, rel=5e-3)
-    assert found.on_shell == pytest.approx(couette - lever, rel=5e-3)
 
 
 def squeezed(length, load, viscosity, clearance, time):

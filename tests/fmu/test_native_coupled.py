@@ -132,23 +132,6 @@ def test_every_output_is_that_of_the_fmu_in_python():
     assert max(apart.shares(OF_WORKS).values()) <= ROUND_OFF
 
 
-def test_coordinates_give_the_fixed_point_of_the_wires():
-    """Both iterations leave a part of the tolerance, here of surfaces that touch.
-
-    At 10 nm their largest difference was 6e-3 of the largest value, at 0.01 nm 3e-7.
-    """
-    apart = []
-    for tolerance, velocity in (("10 nm", 1e-5), (CONVERGED, 1e-8)):
-        changes = [("wires.0.tolerance", tolerance), ("wires.1.tolerance", velocity)]
-        tree = small_tree(("time.stop", "12 deg"), *changes, **FLEXIBLE)
-        pair = [export(tree, native=True, coordinates=one) for one in (True, False)]
-        apart.append(compared(pair, 40, HARD))
-    shares = apart[-1].shares(OF_WORKS)
-    assert max(share for name, share in shares.items() if name not in COUNTS) <= 1e-6
-    ours, theirs = (one["residual_evaluations"] for one in apart[0].last)
-    assert ours != theirs and ours <= 1.1 * theirs
-
-
 def test_parts_of_a_macro_step_are_those_of_the_fmu_in_python():
     """The eleventh of 12 steps is repeated in parts down to 1/32.
 

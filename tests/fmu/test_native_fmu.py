@@ -146,6 +146,9 @@ FILMS = {
         400,
     ),
     "half": Film(SPLASH | {"film_symmetry": "thrust_plane"}, 120),
+    "half and cut-outs": Film(
+        SPLASH | {"film_symmetry": "automatic", "open_cells": opening(GRID)}, 120
+    ),
     "bore and cut-outs": Film(SPLASH | {"open_cells": opening(GRID)}, 400),
 }
 """Every choice of physics. The steps pass rupture, reformation and reversal of sliding."""

@@ -45,20 +45,6 @@ def test_even_temperatures_are_those_of_oil_and_inputs(tmp_path):
     assert "cold" in told and "hot" in told
 
 
-def test_field_inputs_of_even_temperatures_are_those_of_the_walls(tmp_path):
-    """The work of the films on the growing walls counts every cell once."""
-    given = finished(tmp_path, (BUILD, {"skirt": "400 K", "bore": "390 K"}))
-    known = {name: given.series(f"bodies.{name}").values for name in SAME}
-    fields = [
-        (f"participants.bodies.parameters.{wall}_temperature_field", kelvin)
-        for wall, kelvin in (("skirt", "400 K"), ("bore", "390 K"))
-    ]
-    other = finished(tmp_path, (BUILD, {"skirt": "input", "bore": "input"}), *fields)
-    for name, values in known.items():
-        same = other.series(f"bodies.{name}").values
-        np.testing.assert_allclose(values, same, rtol=0, atol=1e-3 * np.abs(same).max())
-
-
 @pytest.mark.parametrize("prefixes", [("",), ("lower.", "upper.")])
 def test_field_inputs_have_every_cell_once(prefixes):
     """Of one film, whose variables have no prefix, and of several."""

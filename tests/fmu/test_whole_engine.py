@@ -71,15 +71,6 @@ def apart(ours, known):
     return np.abs(ours - known).max() / max(np.ptp(known), np.abs(known).max(), 1e-300)
 
 
-@pytest.mark.slow
-def test_native_films_give_the_curves_of_those_in_python(tmp_path):
-    """Every curve agrees to 1e-6 of its range at a tolerance of 0.1 nm, bodies in Python."""
-    tree = tight(whole_engine(), "0.1 nm")
-    curves = native_and_python(tree, ["skirt_film", *BEARINGS], tmp_path)
-    for name, pair in curves.items():
-        assert apart(*pair) <= AGREES, name
-
-
 def tightened(tree, share):
     """Return the tree with a share of all tolerances."""
 

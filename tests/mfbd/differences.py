@@ -1,4 +1,4 @@
-"""Differences: directional derivatives of a step, and Lagrange's equations of an energy."""
+"""Differences: of a function, of a step in a direction, and Lagrange's equations of an energy."""
 
 import dataclasses
 
@@ -6,6 +6,12 @@ import numpy as np
 
 CHANGED = ("pressure_force", "friction_force", "rings", "pins", "carrier", "bore_deflection")
 """Inputs of a direction."""
+
+
+def derivative(f, x, h):
+    """Return the central difference of sixth order."""
+    weights = {1: 0.75, 2: -0.15, 3: 1 / 60}
+    return sum(w * (f(x + k * h) - f(x - k * h)) for k, w in weights.items()) / h
 
 
 def plus(value, change, share):

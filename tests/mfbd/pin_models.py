@@ -1,7 +1,7 @@
 """Models for the tests of a floating pin.
 
 There are rigid and elastic bodies, a pin that bends and films of the crank. Helpers apply rough
-inputs, take central differences of a step and replace films by springs.
+inputs and replace films by springs.
 """
 
 import dataclasses
@@ -10,7 +10,6 @@ import numpy as np
 
 from piston_cosim.fmu_mfbd.dynamics.assembly import (
     ReducedBodies,
-    assemble,
     model_of,
 )
 from piston_cosim.fmu_mfbd.dynamics.build_options import (
@@ -91,11 +90,6 @@ def options(floating):
         BlockOptions("", 0),
         floating_pin=FloatingPin(PIN_GRID, 25e-3, 36e-3) if floating else None,
     )
-
-
-def tied_model():
-    piston, block, *_ = bodies()
-    return assemble(piston, block, options(False), PARAMETERS)
 
 
 def floating_model(parameters=PARAMETERS, **pin):
@@ -345,18 +339,6 @@ def rough_way(model, steps):
     return state, out
 
 
-def stiff_is_rigid(rigid, yielding, names):
-    """Young's modulus times 1e6, 1e9: what modes do falls with it, and nothing else is left."""
-
-    def way(model):
-        return np.array([rough_way(model, steps)[1][name] for steps in (2, 6) for name in names])
-
-    known = way(rigid)
-    apart = [np.abs(way(yielding(young)) / known - 1).max() for young in (1e6, 1e9)]
-    assert apart[1] < 1e-6
-    assert apart[1] < 2e-3 * apart[0]
-
-
 class Springs:
     """A model on even springs in place of its films: F = -K d in every shell, and on the skirt.
 
@@ -432,9 +414,3 @@ class Springs:
             state = end
             way.append(out)
         return way
-
-    def apart(self, other, steps, names):
-        """Largest differences of outputs from those of other springs, by the largest values."""
-        ways = self.run(steps), other.run(steps)
-        mine, known = (np.array([[out[name] for name in names] for out in way]) for way in ways)
-        return np.abs(mine - known).max(axis=0) / np.abs(known).max(axis=0)

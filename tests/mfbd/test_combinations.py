@@ -1,7 +1,6 @@
 """Combinations of options: a floating pin with everything that a tied pin has, and the reverse.
 
-Each combination has a limit that another test covers, and derivatives that central differences
-confirm.
+Central differences confirm derivatives. `test_multibody` compares motions and forces.
 """
 
 import json
@@ -11,59 +10,36 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.dynamics import assembly, element_laws
-from piston_cosim.fmu_mfbd.dynamics.assembly import model_of
-from piston_cosim.fmu_mfbd.dynamics.bore_from_outside import periodic_rule
-from piston_cosim.fmu_mfbd.dynamics.gas_on_bore import WallPressures, wall_forces
-from piston_cosim.fmu_mfbd.dynamics.instant import gas_on_modes, load_of, of_skirt
+from piston_cosim.fmu_mfbd.dynamics.instant import gas_on_modes, load_of
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, ON_FLEXIBLE_BLOCK, stacked
-from piston_cosim.fmu_mfbd.dynamics.parameters import PinParameters
 from piston_cosim.fmu_mfbd.dynamics.pin_films import applied_forces, film_pushes
 from piston_cosim.fmu_mfbd.dynamics.skirt_films import (
-    AxialMotion,
     forces_by_film,
-    skirt_films,
     total_forces,
 )
 from piston_cosim.fmu_mfbd.dynamics.start_state import check_start, read_start
 from piston_cosim.fmu_mfbd.dynamics.step import others_at
 from piston_cosim.fmu_mfbd.dynamics.system import skirt_modes
 from piston_cosim.fmu_mfbd.force_elements.land_contact import LAND_CONTACT, LandParameters
-from piston_cosim.fmu_mfbd.geometry.pin import turned
-from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
+from piston_cosim.fmu_mfbd.mechanism.carrier import Carrier
 from piston_cosim.fmu_mfbd.mechanism.cylinder import piston_of
-from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
 from piston_cosim.fmu_mfbd.mechanism.inertia import frame_state
-from piston_cosim.fmu_mfbd.mechanism.loads import loads_at
-from piston_cosim.fmu_mfbd.mechanism.motion import chain_motion
-from piston_cosim.fmu_mfbd.mechanism.slider_crank import height
 
 from .differences import products_by_differences, rough_change
 from .pin_models import (
     BLOCK_MODES,
-    CRITICAL,
-    MAIN,
     MODELS,
     PARAMETERS,
-    RINGS,
-    SETS,
     STEP,
-    UNBALANCE,
-    Springs,
-    block_model,
     bodies,
     crank_model,
     flexible_block,
-    floating_model,
     options,
     outside_model,
     rough_inputs,
     rough_way,
-    stiff_is_rigid,
-    tied_crank_model,
-    tied_model,
     yielding_bodies,
 )
-from .test_crank_films import Points, second_derivative
 
 
 def forces_of_all(model, inputs):
@@ -77,139 +53,34 @@ def forces_of_all(model, inputs):
     return held
 
 
-def on_slopes(model, inputs):
-    """Return the axial force of the films on the slopes of the bore [N]."""
-    given, system, last = stacked(inputs), model.system, model._last
-    crank = AxialMotion(last.guide_height, 0.0)
-    parts = forces_by_film(system, last.guide_height, given.skirt)
-    way = of_skirt(system, last.now.position), of_skirt(system, last.now.velocity)
-    return skirt_films(system, crank, given.skirt, parts, 0.0, *way).on_slopes
-
-
-# ---- a flexible block
-
-
-def test_a_stiff_block_around_a_floating_pin_is_the_rigid_one():
-    stiff_is_rigid(floating_model(), block_model, ["skirt.film_thickness"])
-
-
-def test_a_block_around_a_floating_pin_yields_by_its_springs():
-    """Each mode of the bore ends where its spring balances the forces of films and gas.
-
-    The crank is at rest and damping is critical: in 600 us the start decays to 0.4 %.
-    """
-    model = block_model(parameters=CRITICAL)
-    inputs = rough_inputs(model, 3, speed=0.0)
-    state, _ = model.start(0.3, 0.0, 0.0, inputs)
-    for _ in range(600):
-        state, out = model.advance(state, inputs, 1e-6)
-    guided = model._last.guide_height
-    films = total_forces(forces_by_film(model.system, guided, stacked(inputs).skirt))
-    force = films.push[2 + len(model.system.gas_force) :]
-    force = force + wall_forces(model.system.wall, guided, WallPressures(inputs.gas_pressure, 0.0))
-    wanted = force / flexible_block().omega ** 2
-    assert len(wanted) == BLOCK_MODES
-    np.testing.assert_allclose(out["modal_coordinate"], wanted, rtol=2e-2)
-    stored = float(force @ wanted) / 2
-    np.testing.assert_allclose(out["elastic_energy"], stored, rtol=2e-2)
-
-
 # ---- a mounted block
 
 MOVING = Carrier(30.0, -50.0, 400.0, 1.7)
 """A block that shakes harder than any on mounts."""
 
 
-def carried_way(model, carrier, steps=4):
+def carried_way(model, steps=4):
     """Return the state before the last step, its inputs and its outputs in a block that moves."""
     model.model = model.model._replace(mounted=True)
     state, out = model.start(0.3, 2e-6, 1e-4, rough_inputs(model, 0, 0.0))
     for k in range(steps):
-        before, inputs = state, replace(rough_inputs(model, k), carrier=carrier)
+        before, inputs = state, replace(rough_inputs(model, k), carrier=MOVING)
         state, out = model.advance(before, inputs, STEP)
     return before, inputs, out
-
-
-def test_a_block_at_rest_changes_nothing_around_a_floating_pin():
-    _, plain = rough_way(crank_model(yielding=True), 4)
-    *_, out = carried_way(crank_model(yielding=True), FIXED)
-    for name, value in plain.items():
-        np.testing.assert_array_equal(out[name], value)
 
 
 @pytest.mark.parametrize("name", ["rigid", "bending, bosses, eye", "all flexible"])
 def test_derivatives_with_the_motion_of_a_block_are_differences(name):
     """A floating pin in a block that moves, with rough changes of all forces and of its motion."""
     model = MODELS[name]()
-    before, base, _ = carried_way(model, MOVING)
+    before, base, _ = carried_way(model)
     change = rough_change(model, base)
     for moved in (change, replace(change, carrier=Carrier(0.3, -0.2, 0.7, 1e-3))):
         products = products_by_differences(model, before, base, moved, STEP, 3e-6)
         assert {*ON_BLOCK, *MOTION} <= products.keys()
 
 
-def test_forces_on_a_mounted_block_change_the_momentum_in_space():
-    """Force and moment, films on all bearings, from positions of mass points in space alone.
-
-    The moment excludes what turns the unbalance about the crank axis, which is the drive's.
-    """
-    model = crank_model()
-    *_, out = carried_way(model, MOVING)
-    points, now, crank = Points(SETS[-1]), model._last.now, model._last.crank
-    masses, inertias = points.inertias()
-    of_crank = -(UNBALANCE**2) / MAIN.crank_mass
-
-    def at(t):
-        angle = crank.angle + t * crank.speed + t**2 / 2 * crank.acceleration
-        position = now.position + t * now.velocity + t**2 / 2 * now.acceleration
-        roll = t * MOVING.w + t**2 / 2 * MOVING.alpha
-        places, turns = points.places(position, angle)
-        origin = t**2 / 2 * np.array([MOVING.ax, MOVING.ay])
-        return origin + places @ turned(roll).T, np.array([*turns, angle]) + roll
-
-    places, _ = at(0.0)
-    pull = masses[:, None] * second_derivative(lambda t: at(t)[0], 0.0, 2e-5)
-    turning = second_derivative(lambda t: at(t)[1], 0.0, 2e-5) @ np.array([*inertias, of_crank])
-    force = np.array([out["force_on_block_x"], out["force_on_block_y"]])
-    size = np.abs(pull).max()
-    np.testing.assert_allclose(force, -pull.sum(axis=0), atol=1e-6 * size)
-    moment = float(np.sum(places[:, 0] * pull[:, 1] - places[:, 1] * pull[:, 0])) + turning
-    drive = out["crank_torque"] - model.model.settings.crank_inertia * crank.acceleration
-    arm = PARAMETERS.rod_length
-    assert out["moment_on_block"] == pytest.approx(drive - moment, abs=1e-6 * size * arm)
-
-
 # ---- a free crank
-
-
-@pytest.mark.parametrize("name", ["rigid", "all flexible"])
-def test_torques_on_a_free_crank_balance_with_a_floating_pin(name):
-    """The acceleration of the crank is that at which its torque is the load, Eq. (K9).
-
-    Forces in the chain are computed again at this acceleration.
-    """
-    model = MODELS[name]()
-    settings = model.model.settings._replace(crank_free=1.0)
-    model.model = model.model._replace(settings=settings)
-    load, crank = 30.0, None
-    for k in range(6):
-        inputs = replace(rough_inputs(model, k), load_torque=load)
-        if k == 0:
-            state, out = model.start(0.3, 2e-6, 1e-4, inputs)
-        else:
-            state, out = model.advance(state, inputs, STEP)
-        assert out["crank_torque"] == -load
-        now, crank = model._last.now, model._last.crank
-        balanced = crank._replace(acceleration=state.crank_acceleration)
-        held = forces_of_all(model, inputs)
-        loads = loads_at(model.chain, held, chain_motion(model.chain.joints, now, balanced), now)
-        needed = chain_forces(model.chain, loads, now, balanced, FIXED).torque
-        upright = height(model.system.mechanism, 0.0, crank.angle)
-        needed -= on_slopes(model, inputs) * upright.lever
-        size = settings.crank_inertia * abs(state.crank_acceleration) + load
-        lack = needed + settings.crank_inertia * state.crank_acceleration + load
-        assert abs(lack) <= 1e-9 * (size + abs(needed))
-        assert k == 0 or abs(state.crank_acceleration - crank.acceleration) > 1e-3
 
 
 def test_a_heavy_free_crank_turns_at_a_given_speed():
@@ -242,51 +113,12 @@ def test_static_modes_follow_their_forces_with_a_floating_pin():
     np.testing.assert_allclose(out["modal_coordinate"], wanted, rtol=1e-9)
 
 
-# ---- films of the crank with a tied pin
-
-
-def test_a_crank_without_films_is_the_limit_of_stiff_films_with_a_tied_pin():
-    """A crank on springs K in both bearings approaches the one without play at the rate 1/K."""
-    names = ("lateral_displacement", "rocking_angle", "side_force", "crank_torque")
-    plain = Springs(tied_model()).run(25)
-    apart = []
-    for stiffness in (8e9, 16e9):
-        ways = Springs(tied_crank_model(), stiffness).run(25), plain
-        mine, known = (np.array([[out[name] for name in names] for out in way]) for way in ways)
-        apart.append(np.abs(mine - known).max(axis=0) / np.abs(known).max(axis=0))
-    np.testing.assert_allclose(np.divide(*apart), 2.0, rtol=0.2)
-    assert np.max(apart[-1]) < 2e-2
-
-
 # ---- a bore that deflects from outside
-
-
-def test_a_field_from_outside_is_the_deflection_of_the_bore_around_a_floating_pin():
-    """The field of the block's own modes gives the same films, to the spline between angles."""
-    other = outside_model()
-    shapes = replace(flexible_block(), axial=0.0 * flexible_block().axial)
-    own = model_of(
-        bodies()._replace(block=shapes),
-        options(True),
-        replace(PARAMETERS, **RINGS),
-        [PinParameters()],
-    )
-    _, out = rough_way(own, 3)
-    first = own.chain.joints.tip.shape[1]
-    field = shapes.radial @ own._last.now.position[first : first + BLOCK_MODES]
-    rule = periodic_rule(16, 24)
-    state, _ = other.start(0.3, 2e-6, 1e-4, rough_inputs(other, 0, 0.0))
-    for k in range(3):
-        inputs = replace(rough_inputs(other, k), bore_deflection=rule @ field)
-        state, found = other.advance(state, inputs, STEP)
-    size = np.abs(field).max()
-    error = found["skirt.film_thickness"] - out["skirt.film_thickness"]
-    assert np.abs(error).max() < 2e-2 * size
 
 
 def test_derivatives_with_a_bore_from_outside_are_differences():
     model = outside_model()
-    before, base, _ = carried_way(model, MOVING)
+    before, base, _ = carried_way(model)
     deflection = 1e-6 * np.random.default_rng(2).standard_normal((24, 64))
     base = replace(base, bore_deflection=deflection)
     change = replace(rough_change(model, base), carrier=Carrier(0.3, -0.2, 0.7, 1e-3))

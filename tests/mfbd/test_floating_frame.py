@@ -10,18 +10,14 @@ from piston_cosim.fmu_mfbd.finite_elements.element import consistent_mass, stiff
 from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED
 from piston_cosim.fmu_mfbd.mechanism.chain import BLOCK
 from piston_cosim.fmu_mfbd.mechanism.cylinder import motion_across
-from piston_cosim.fmu_mfbd.mechanism.derivative import chain_derivative
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
 from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion, Prediction
 from piston_cosim.fmu_mfbd.mechanism.loads import no_loads
 from piston_cosim.fmu_mfbd.mechanism.motion import Increments
-from piston_cosim.fmu_mfbd.mechanism.pin_friction import PinFriction
 from piston_cosim.fmu_mfbd.mechanism.piston_motion import Load
 from piston_cosim.fmu_mfbd.mechanism.slider_crank import CrankMotion, Mechanism
 from piston_cosim.fmu_mfbd.mechanism.solution import (
     arrow_product,
-    factorise_chain,
-    solve_coupled,
     solve_motion,
 )
 from piston_cosim.fmu_mfbd.reduction.bases import Elastic, craig_bampton, orthonormal_modes
@@ -34,13 +30,11 @@ from piston_cosim.tests.verification.cases.bodies import (
 )
 from piston_cosim.tests.verification.cases.links import Link, chain_of, play
 from piston_cosim.tests.verification.cases.tied import (
-    loads_of,
     tied_forces,
     tied_parts,
     tied_pin,
 )
 
-from .chains import coupled
 from .differences import lagrange
 
 
@@ -135,42 +129,6 @@ def reach(n, c1, c2):
 
 
 SKEW = Mechanism(0.0288, 0.110, 0.0011, 0.35, 6e-4, 30 / 110, 0.06)
-
-
-RUBBING = SKEW._replace(friction=PinFriction(2e-3, 30.0, 4e-3))
-
-
-@pytest.mark.parametrize("mechanism", [SKEW, RUBBING], ids=["smooth pin", "rubbing pin"])
-def test_mechanism_tangent_is_the_derivative(lump, mechanism):
-    body = lump[3]
-    rng = np.random.default_rng(5)
-    n = 2 + len(body.stiffness)
-    now = Motion(
-        1e-4 * rng.standard_normal(n), rng.standard_normal(n), 100 * rng.standard_normal(n)
-    )
-    load = Load(300.0, -2000.0, 5.0, 1800.0, rng.standard_normal(n - 2))
-    c1, c2, crank = 3e-5, 8e-10, CrankMotion(0.8, 314.0, 2e3)
-    chain, by = tied_pin(body, mechanism, 0.0), reach(n, c1, c2)
-    forces = tied_forces(chain, load, now, crank)
-    slope = chain_derivative(chain, loads_of(chain, load, now, crank), now, forces, by)
-    matrix = coupled(slope.arrow, chain, forces, by)
-    right = rng.standard_normal(n)
-    factors = factorise_chain(slope.arrow)
-    solution = solve_coupled(chain.bodies, forces.motion, FIXED, by, factors, right)
-    np.testing.assert_allclose(matrix @ solution, right, atol=1e-12)
-
-    def residual(change):
-        moved = Motion(
-            now.position + c2 * change, now.velocity + c1 * change, now.acceleration + change
-        )
-        return tied_forces(chain, load, moved, crank).residual
-
-    for k in range(n):
-        change = 10.0 * np.eye(n)[k]
-        difference = (residual(change) - residual(-change)) / 20.0
-        np.testing.assert_allclose(
-            matrix[:, k], difference, rtol=1e-8, atol=1e-9 * np.abs(matrix[:, k]).max()
-        )
 
 
 @pytest.mark.parametrize("step", [0.0, 5e-5])

@@ -1,7 +1,7 @@
 """A piston on a floating pin.
 
-Tests cover an instant by hand, the tied pin as the stiff limit, derivatives, moments and
-powers.
+Tests cover an instant by hand, springs of modes, derivatives and works. `test_multibody` compares
+motions and forces.
 """
 
 import dataclasses
@@ -46,7 +46,6 @@ from .pin_models import (
     PARAMETERS,
     RADII,
     STEP,
-    Springs,
     bodies,
     crank_model,
     floating_model,
@@ -55,8 +54,6 @@ from .pin_models import (
     rough_way,
     shells_of,
     small_end,
-    stiff_is_rigid,
-    tied_model,
     yielding_bodies,
     yielding_model,
 )
@@ -196,11 +193,6 @@ def test_modes_of_a_standing_engine_yield_by_their_springs():
             np.testing.assert_allclose(shown, diameters(more), atol=1e-12)
 
 
-def test_a_stiff_piston_is_the_rigid_one():
-    names = ("lateral_displacement", "rocking_angle", "pin_displacement_y", "side_force_demand")
-    stiff_is_rigid(floating_model(), yielding_model, names)
-
-
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("steps", [1, 6])
 def test_derivative_of_all_films_against_differences(steps, name):
@@ -227,21 +219,6 @@ def test_work_of_every_film_is_the_same_on_its_grid_and_in_the_coordinates(name)
     for one in (*model.films, *model.grids):
         assert out[f"{one.prefix}interface_work_error"] <= 1e-13
     assert np.abs(state.velocity).min() > 1e-6
-
-
-def test_the_tied_pin_is_the_limit_of_stiff_films():
-    """A pin on springs K in all three shells approaches the tied pin at the rate 1/K.
-
-    There is no friction. Play under the same force halves with every doubling of K.
-    """
-    names = ("lateral_displacement", "rocking_angle", "side_force", "crank_torque")
-    apart = [
-        Springs(floating_model(), stiffness).apart(Springs(tied_model()), 25, names)
-        for stiffness in (4e9, 8e9, 16e9)
-    ]
-    rates = np.array(apart)
-    assert rates[-1].max() < 2e-2
-    np.testing.assert_allclose(rates[:-1] / rates[1:], 2.0, rtol=0.2)
 
 
 def test_what_does_not_go_with_a_floating_pin_is_told():

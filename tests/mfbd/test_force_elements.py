@@ -22,10 +22,9 @@ from piston_cosim.fmu_mfbd.mechanism.loads import loads_at, no_loads
 from piston_cosim.fmu_mfbd.mechanism.motion import chain_motion
 
 from .chains import CRANK
-from .differences import products_by_differences, rough_change
+from .differences import derivative, products_by_differences, rough_change
 from .pin_models import GRID, PARAMETERS, bodies, options, outside_model
 from .test_combinations import carried_way
-from .test_crank_films import derivative
 from .test_mechanism import ENGINES, MOVING, STEP, held, motion, reach
 from .test_motion_in_space import SKEWED, flat_bodies
 from .test_motion_in_space import options as space_options

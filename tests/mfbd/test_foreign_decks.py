@@ -200,6 +200,14 @@ DECKS = {
         None,
         "node 4: expected finite coordin",
     ),
+    "generated.inp": (ABAQUS + "*NGEN\n1, 5, 1\n", None, r"got \*NGEN; write the mesh in full"),
+    "no_part.inp": (
+        ABAQUS + "*INSTANCE, NAME=I, PART=Q\n",
+        None,
+        "I: expected a known part, got 'Q'",
+    ),
+    "no_file.inp": (ABAQUS + "*INCLUDE, INPUT=b.inp\n", None, "include 'b.inp', got no such file"),
+    "short.inp": (ABAQUS + FIRST[:40], None, "=C3D10: expected a multiple of 11 numbers, got 3"),
     "letter.inp": (ABAQUS.replace("0.05", "O.05"), None, "expected a number, got 'O.05'"),
     # Nastran
     "copied.bdf": ("GRID,1,,0.,0.,0.\n=,*1,=,*30.,=,=\n" + CTETRA, None, "got replication by ="),
@@ -235,6 +243,33 @@ DECKS = {
         "PSOLID,1,3\nPSOLID,2,4\n",
         {},
         "",
+    ),
+    "corners.bdf": (
+        NASTRAN + "CTETRA,2,1,1,,2,3\n",
+        None,
+        "CTETRA 2: expected 4 corners and up to 6 middle nodes, got .1, 0,",
+    ),
+    "unknown_node.bdf": (NASTRAN + "CTETRA,2,1,1,2,3,33\n", None, "a known node, got 33"),
+    "mixed.bdf": (NASTRAN + "CTETRA,2,1,1,2,3,4\n", None, "got 1 of 2 with four nodes"),
+    "own_system.bdf": (
+        "CORD1R,5,1,2,3\n" + grid(NODES, 5) + CTETRA,
+        None,
+        "a known coordinate system, got 5, which depends on itself",
+    ),
+    "in_line.bdf": (
+        "CORD2C,5,,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\n" + grid(NODES, 5) + CTETRA,
+        None,
+        "CORD2C 5: expected three points that are not in line",
+    ),
+    "letter.bdf": (NASTRAN + "GRID,11,,1.x\n", None, "GRID 11: .* in field 4, got '1.X'"),
+    "two_places.bdf": (NASTRAN + "GRID,1,,1.,2.,3.\n", None, "node 1: expected one position, got"),
+    "no_file.bdf": (NASTRAN + "INCLUDE 'b.bdf'\n", None, "include 'b.bdf', got no such file"),
+    "circular.bdf": (NASTRAN + "INCLUDE 'circular.bdf'\n", None, "no circular include, got"),
+    "elsewhere.bdf": (
+        "CTETRA  1       1       1       2       3       4       5       6       +E1\n"
+        "+E2     7       8       9       10\n" + grid(),
+        None,
+        r"CTETRA 1: expected its continuations right behind it, got '\+E2",
     ),
     "fluid.bdf": (NASTRAN + "PSOLID,1,3,,,,,PFLUID\n", None, "got 1 CTETRA of a fluid; only"),
     "unknown_system.bdf": (grid(NODES, 7) + CTETRA, None, "a known coordinate system, got 7"),
@@ -281,6 +316,21 @@ DECKS = {
         ANSYS.replace("187", "185") + solids((1, 1, [1, 2, 3, 3, 4, 4, 4, 4])),
         {},
         "linear",
+    ),
+    "no_type.cdb": (
+        ANSYS + solids((1, 1, TEN), (4, 1, TEN)),
+        None,
+        "got also 1 type 4, which no ET names; only",
+    ),
+    "format.cdb": (
+        ANSYS + ONE.replace("(19i9)", "(free)"),
+        None,
+        r"a known format, got '\(free\)'",
+    ),
+    "no_blocks.cdb": (
+        "/PREP7\nN,1,0.,0.,0.\n",
+        None,
+        "expected NBLOCK and EBLOCK, got 0 nodes and 0 elements; .*CDWRITE",
     ),
     "hexahedron.dat": (ANSYS + "ET,2,186\n" + solids((1, 1, TEN), (2, 1, TEN)), None, "SOLID186"),
     # gmsh

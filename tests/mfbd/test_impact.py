@@ -25,11 +25,8 @@ from piston_cosim.fmu_mfbd.mechanism.impact import (
 )
 from piston_cosim.master.coupling import ledger as ledgers
 from piston_cosim.master.coupling.ledger import Ledger
-from piston_cosim.master.coupling.methods import Relaxation
-from piston_cosim.master.coupling.stepping import EnergyCreated, Stepper
-from piston_cosim.master.coupling.wiring import System, Wire
+from piston_cosim.master.coupling.stepping import EnergyCreated
 from piston_cosim.master.coupling.work import Exchange
-from piston_cosim.tests.master.toys import Toy, variable
 
 MASS = 0.3  # [kg]
 INERTIA = Inertia(MASS, 0.0, 1e-3)
@@ -105,55 +102,6 @@ def test_a_stop_is_not_returned_as_a_rebound():
     assert limited.max() <= 0.1
     assert np.sum(limited > 1e-9) <= 2
     assert random_impacts(50, lambda *given: drop(*given, limited=False)[1]).max() > 2.0
-
-
-class FallingMass(Toy):
-    """Mass on a film as a participant that limits the next step; its input has no effect."""
-
-    def __init__(self, film, thickness, speed, push):
-        fields = {"height": variable("height", "output"), "unused": variable("unused", "input")}
-        super().__init__("mass", fields, np.array([thickness, 0, -speed, 0, push, 0, push, 0.0]))
-        self.film, self.push = film, push
-        self.values = {"height": np.array(thickness), "longest_step": np.array(UNLIMITED)}
-
-    def _advance(self, step):
-        *now, auxiliary = self.state.reshape(4, 2)
-        now = Motion(*now)
-        end, auxiliary = fallen(now, auxiliary, self.film, self.push, step)
-        longest = longest_step(INERTIA, now, end, auxiliary, step, 0.0)
-        limit_memory(INERTIA, now, end, auxiliary, step)
-        self.state = np.concatenate([*end, auxiliary])
-        self.values |= {"height": self.state[0], "longest_step": np.array(longest)}
-
-
-def in_parts(film, thickness, speed, step, steps, push, counts):
-    """Return the velocities of `drop` if the coupling repeats unresolved steps in parts.
-
-    They are divided so that the start velocity stands for the largest one, because some masses are
-    pushed to nine times their start velocity. The number of steps is added to `counts`.
-    """
-    mass = FallingMass(film, thickness, speed, push)
-    loop = Wire(("mass", "height"), ("mass", "unused"), (), "m", 1.0, 1.0, None)
-    limits = (("mass", "longest_step"),)
-    system = System({"mass": mass}, ("mass",), (loop,), {"mass": {}}, 1.0, step, limits=limits)
-    stepper = Stepper(system, Relaxation(1.0, False, 9), 6)
-    velocity = [-speed]
-    for k in range(steps):
-        stepper.advance(k * step, step)
-        velocity.append(mass.state[2])
-    counts.append(stepper.counters.steps)
-    return np.array(velocity) * speed / -min(velocity)
-
-
-@pytest.mark.parametrize("count", [10, pytest.param(300, marks=pytest.mark.slow)])
-def test_a_stop_in_parts_is_not_returned_as_a_rebound(count):
-    """No stop returns a tenth of its approach velocity.
-
-    Six of 1000 return more than 1 %, the largest 7.2 %, as without parts.
-    """
-    counts = []
-    assert random_impacts(count, lambda *given: in_parts(*given, counts)).max() <= 0.1
-    assert max(counts) > 60 > 30 == min(counts)
 
 
 @pytest.mark.parametrize(

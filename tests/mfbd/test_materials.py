@@ -183,13 +183,18 @@ def between_plates(points, K, load):
     return out.reshape(-1, 3)
 
 
-def lame_two_layers(radii, layers, pressure):
-    """Return A and B of u = A r + B/r of both layers of a long cylinder under pressure.
+def lame_two_layers(radii, layers, pressure=0.0, rise=0.0):
+    """Return A and B of u = A r + B/r of both layers of a long cylinder between plates.
 
-    sigma_r = 2 (lambda + mu) A - 2 mu B/r^2 is -p inside, 0 outside and continuous, as u is.
+    sigma_r = 2 (lambda + mu) A - 2 mu B/r^2 - beta is -p inside, 0 outside and continuous, as u is.
+    beta is (3 lambda + 2 mu) times the free expansion under an even rise of temperature.
     """
     a, c, b = radii
     (one, two) = [lame_constants(layer["young"], layer["poisson"]) for layer in layers]
+    beta, other = (
+        (3 * lame.first + 2 * lame.shear) * layer["expansion"] * rise
+        for lame, layer in zip((one, two), layers)
+    )
 
     def stress(lame, r):
         return [2 * (lame.first + lame.shear), -2 * lame.shear / r**2]
@@ -203,7 +208,7 @@ def lame_two_layers(radii, layers, pressure):
         ]
     )
     scale = np.abs(rows).max(axis=0)
-    return np.linalg.solve(rows / scale, [-pressure, 0, 0, 0]) / scale
+    return np.linalg.solve(rows / scale, [beta - pressure, other, beta - other, 0]) / scale
 
 
 def test_lined_ring_under_pressure_by_lame():

@@ -6,7 +6,6 @@ import pytest
 from piston_cosim.fmu_mfbd.build import reduced_bodies
 from piston_cosim.fmu_mfbd.finite_elements.element import (
     corner_stress,
-    mass_properties,
     von_mises,
 )
 from piston_cosim.fmu_mfbd.reduction.mode_tables import (
@@ -41,22 +40,6 @@ def test_table_of_modes(report):
         assert np.all(np.diff([row.frequency for row in rows]) >= 0)
         assert sum(row.film_share for row in rows) == pytest.approx(1.0)
         assert all(0 < row.modal_mass < 10 for row in rows)
-
-
-def test_mass_properties_of_a_tube(report):
-    """Mass, centre and inertia follow the closed form.
-
-    The mesh's circle has twelve curved sides, which miss (pi/24)^4/6 of the volume.
-    """
-    mass, centre, inertia = mass_properties(report["block"].properties.rigid_mass)
-    low, high, inner, outer, density = 50e-3, 155e-3, 28.025e-3, 36e-3, 2700.0
-    exact = density * np.pi * (outer**2 - inner**2) * (high - low)
-    assert mass == pytest.approx(exact, rel=1e-3)
-    np.testing.assert_allclose(centre, [0, (low + high) / 2, 0], atol=1e-6)
-    axial, across = (outer**2 + inner**2) / 2, (outer**2 + inner**2) / 4 + (high - low) ** 2 / 12
-    np.testing.assert_allclose(
-        inertia, exact * np.diag([across, axial, across]), atol=1e-3 * exact * across
-    )
 
 
 def test_stress_is_the_mean_at_corners_and_its_largest_value_is_found(report):

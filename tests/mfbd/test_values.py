@@ -270,24 +270,6 @@ def test_parts_of_the_mechanism_obey_newton_and_euler(bodies, phi, rubbing):
     assert o["residual_evaluations"] > 0 and o["jacobian_evaluations"] > 0
 
 
-def test_accelerations_are_those_of_newton_and_euler(bodies):
-    """From rest, velocities after a step of 1 ns are accelerations times it, to 1e-4: jerk."""
-    push, drag = forces()
-    slave = bodies(
-        start_crank_angle=0.9,
-        crank_speed=310.0,
-        gas_pressure=-1.5e5,
-        nodal_pressure_force=push,
-        nodal_friction_force=drag,
-        **RINGS,
-    )
-    want = newton_euler(seen(slave), -1.5e5 * pi * BORE**2)
-    assert slave.do_step(0.0, 1e-9)
-    o = seen(slave)
-    assert o["lateral_velocity"] == near(want["lateral"] * 1e-9, rel=1e-4)
-    assert o["rocking_velocity"] == near(want["rocking"] * 1e-9, rel=1e-4)
-
-
 @pytest.mark.parametrize("phi", [0.3, 1.4, 4.0])
 def test_effective_inertia_is_that_of_the_kinetic_energy(bodies, phi):
     """Eq. (K28): J w^2 / 2 is the energy of crank, rod, pin and piston, by central differences."""

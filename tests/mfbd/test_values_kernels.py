@@ -21,7 +21,6 @@ from piston_cosim.fmu_mfbd.mechanism.slider_crank import (
     CrankMotion,
     Mechanism,
     height,
-    moved_inertia,
     side_force_demand,
 )
 from piston_cosim.fmu_mfbd.reduction.bases import expected_pressure
@@ -82,23 +81,6 @@ def test_side_force_that_gas_rings_and_inertia_ask_for(phi):
     others = OtherForces(5e3, RingForce(130.0, -90.0, 0.0), WallPressures(0.0, 0.0))
     found = side_force_demand(rod, 0.7, others, CrankMotion(phi, speed, 0.0))
     assert found == near(expected, rel=1e-6)
-
-
-@pytest.mark.parametrize("phi", [0.4, 2.0, 4.4])
-def test_inertia_that_piston_and_rod_add_to_the_crank(phi):
-    """Twice the kinetic energy at 1 rad/s, by central differences of positions over 1e-4 rad."""
-    radius, length, offset, mass, inertia, share = 0.04, 0.13, 8e-4, 0.6, 2e-3, 0.3
-    rod = Mechanism(radius, length, offset, mass, inertia, share, pin_mass=0.2)
-
-    def places(angle):
-        pin = radius * np.array([-np.sin(angle), np.cos(angle)])
-        across = offset - pin.item(0)
-        top = pin + [across, np.sqrt(length**2 - across**2)]
-        return np.array([*top, *(pin + share * (top - pin)), -np.arcsin(across / length)])
-
-    rates = (places(phi + 1e-4) - places(phi - 1e-4)) / 2e-4
-    weights = np.array([0.9, 0.9, mass, mass, inertia])
-    assert moved_inertia(rod, 0.9, phi) == near(weights @ rates**2, rel=1e-6)
 
 
 # ---- bore splines
