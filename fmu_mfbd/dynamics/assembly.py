@@ -25,7 +25,7 @@ from ..geometry.surfaces import (
 )
 from ..mechanism.cylinder import EYE, CylinderParts, cylinder_chain, integrators, motion_across
 from ..mechanism.floating_frame import FlexibleBody
-from ..mechanism.modal_damping import ModalSprings, moving_modes
+from ..mechanism.modal_damping import ModalSprings, count_modes_with_inertia
 from ..mechanism.pin_friction import PinFriction
 from ..mechanism.slider_crank import Mechanism
 from ..reduction.reduced_body import ReducedBlock, ReducedBosses, ReducedPiston, ReducedShell, load
@@ -212,7 +212,7 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
     block = len(setup.block_omega)
     cylinder = CylinderParts(
         piston=setup.piston,
-        moving=moving_modes(setup.piston_omega, p.quasi_static_frequency),
+        moving=count_modes_with_inertia(setup.piston_omega, p.quasi_static_frequency),
         mechanism=mechanism(fit.piston_radius, fit.pin_offset, p),
         spin_inertia=spin,
         crank_mass=p.crank_mass,
@@ -222,7 +222,7 @@ def assembled(setup: BodySetup, p: Settings) -> BodyModel:
         main_bearing=fit.has_main_bearing,
         springs=ModalSprings(others * others, np.zeros(len(others))),
         block_modes=block,
-        block_static=block - moving_modes(setup.block_omega, p.quasi_static_frequency),
+        block_static=block - count_modes_with_inertia(setup.block_omega, p.quasi_static_frequency),
         shapes=len(omega),
         big_end_modes=setup.big_end_modes,
         main_bearing_modes=setup.main_bearing_modes,

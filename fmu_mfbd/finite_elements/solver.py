@@ -21,8 +21,8 @@ from scipy.sparse.linalg import splu
 from .element import Sparse
 
 LOOSE = (
-    "hold three nodes off one line against rigid motions, and look for loose pieces and inverted "
-    "elements"
+    "hold at least three nodes, not all on one line, against rigid motions, and look for loose "
+    "pieces and inverted elements"
 )
 SMALLEST_PIVOT = 1e-12  # of the largest one
 LARGEST_SUPERLU = 60_000  # degrees of freedom that SuperLU factorises
@@ -67,7 +67,8 @@ class SuperLU:
         bad = np.sum(pivots <= SMALLEST_PIVOT * np.abs(pivots).max())
         if bad:
             raise ValueError(
-                f"mesh: expected a positive stiffness, got {bad} non-positive pivots; {LOOSE}"
+                f"mesh: expected a positive stiffness, got {bad} pivots that are negative or "
+                f"round-off; {LOOSE}"
             )
 
     def solve(self, load: np.ndarray) -> np.ndarray:
@@ -78,12 +79,13 @@ class SuperLU:
 class Pardiso:
     """Cholesky factors of the MKL's PARDISO with the number of `threads`.
 
-    Parameters and errors are those of `SuperLU`; without pypardiso it raises ImportError. Of the
-    faster solvers only PARDISO has wheels for all platforms.
+    Parameters and errors are those of `SuperLU`. It raises ImportError without pypardiso, and
+    MemoryError if there is too little memory. Of the faster solvers only PARDISO has wheels for all
+    platforms.
     """
 
     FACTORISE, SOLVE, RELEASE, MEMORY, SYMMETRIC, NOT_POSITIVE = 12, 33, -1, -2, 2, -4
-    # right-hand sides a call: a million rows of sixty need more than the factors leave
+    # right-hand sides of one call: sixty of 1e6 rows do not fit in memory beside the factors
     AT_ONCE = 16
 
     def __init__(self, K: Sparse):
@@ -109,7 +111,7 @@ class Pardiso:
                 f"mesh: expected a positive stiffness, got a non-positive pivot; {LOOSE}"
             ) from None
         push = np.random.default_rng(1).standard_normal(K.shape[0])
-        # a pivot that is round-off passes above
+        # PARDISO accepts pivots that are round-off; a random load detects them
         if np.abs(self.solve(push)).max() * K.diagonal().max() > 1 / SMALLEST_PIVOT:
             raise ValueError(f"mesh: expected a regular stiffness, got a singular one; {LOOSE}")
 
@@ -136,9 +138,12 @@ class Pardiso:
 
 
 def threads() -> int:
-    """Return the number of threads of PARDISO: OMP_NUM_THREADS, default: all processors."""
+    """Return the number of threads of PARDISO, the first setting of `THREADS`.
+
+    The default is the number of processors.
+    """
     setting = next((os.environ[name] for name in THREADS if os.environ.get(name)), "")
-    first = setting.partition(",")[0]  # of nested loops the outer one
+    first = setting.partition(",")[0]  # one number for each level of nesting
     return int(first) if first.isdigit() and int(first) else os.cpu_count() or 1
 
 
@@ -148,7 +153,10 @@ def factorise(K: Sparse) -> Factors:
     Raises
     ------
     ValueError
-        As for `SuperLU`, and if a matrix without pypardiso has more than `LARGEST_SUPERLU` rows.
+        As for `SuperLU`, and if pypardiso is missing and a matrix has more than `LARGEST_SUPERLU`
+        rows.
+    MemoryError
+        As for `Pardiso`.
     """
     try:
         return Pardiso(K)
@@ -190,11 +198,11 @@ dissection for PARDISO, and measured for SuperLU."""
 
 
 def expected_cost(size: int) -> str:
-    """Return a sentence with the expected time and memory of a factorisation."""
+    """Return a sentence with the expected processor time and memory of a factorisation."""
     solver = "PARDISO" if find_spec("pypardiso") else "SuperLU"
     (least, small), (most, large) = (cost.of(size) for cost in COSTS[solver])
     return (
-        f"about {least:.2g} s and {small:.2g} GB by {solver} if thin-walled, "
+        f"about {least:.2g} s of processor time and {small:.2g} GB by {solver} if thin-walled, "
         f"{most:.0f} s and {large:.2g} GB if solid"
     )
 
@@ -210,7 +218,7 @@ class CachedFactorise:
     folder : Path
         Folder of the solutions. `forget` removes those that this object has used.
     say : callable
-        Prints a sentence every ten seconds.
+        Prints a sentence at the start, then at most every ten seconds.
     """
 
     def __init__(self, folder: Path | str, say: Callable[[str], None]):
@@ -231,7 +239,10 @@ class CachedFactorise:
 
 
 class _CachedFactors:
-    """Matrix with solutions on disk; the first new solution factorises it."""
+    """Matrix with solutions on disk.
+
+    It is factorised at once, or if there are solutions, at the first one that is missing.
+    """
 
     EVERY = 10.0  # seconds between sentences
 

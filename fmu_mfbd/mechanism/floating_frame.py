@@ -1,4 +1,7 @@
-"""A flexible body in a frame that is fixed to its point A; `mechanism.inertia` has its forces."""
+"""A flexible body in a frame that is fixed to its point A, such as a piston at its pin.
+
+`mechanism.inertia` computes the inertia forces of this body.
+"""
 
 from typing import Annotated, NamedTuple
 
@@ -28,9 +31,10 @@ class FlexibleBody(NamedTuple):
     T : ndarray, shape (2, k)
         Change of the first moment with the modes [kg^1/2].
     b, B : ndarray, shapes (k,), (k, k)
-        Change of half the moment of inertia with the modes [kg^1/2 m], [-].
+        The moment of inertia about A is I0 + 2 b.q + q.B q, with modal coordinates q
+        [kg^1/2 m], [-].
     g, G : ndarray, shapes (k,), (k, k)
-        Angular momentum of the modes' motion, undeformed and by the modes [kg^1/2 m], [-].
+        The motion of the modes has the angular momentum (g + G q).q' about A [kg^1/2 m], [-].
     stiffness : ndarray, shape (k,)
         omega^2 [rad2/s2].
     damping : ndarray, shape (k,)
@@ -50,9 +54,9 @@ class FlexibleBody(NamedTuple):
 
 
 class Arrow(NamedTuple):
-    """Tangent whose modes couple to the rigid motions and to themselves.
+    """Mass matrix or tangent in the form of an arrow: modes couple to rigid motions only.
 
-    Coupling of modes among each other is omitted.
+    Entries between different modes are omitted.
 
     Parameters
     ----------
@@ -61,7 +65,7 @@ class Arrow(NamedTuple):
     left : ndarray, shape (k, m)
         Their columns, in the rows of the modes.
     diagonal : ndarray, shape (k,)
-        Each mode to itself.
+        Entries of the modes on the diagonal.
     """
 
     top: Matrix

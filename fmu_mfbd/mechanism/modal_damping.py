@@ -1,4 +1,4 @@
-"""Springs and dampers of modes, and the choice of quasi-static modes without inertia.
+"""Springs and dampers of modes, and the number of modes with inertia.
 
 Slow and fast modes have different damping ratios.
 """
@@ -19,8 +19,11 @@ class ModalSprings(NamedTuple):
 
 
 @compilable
-def moving_modes(omega: np.ndarray, highest: float) -> int:
-    """Return the number of modes that have inertia, those up to a frequency [Hz]."""
+def count_modes_with_inertia(omega: np.ndarray, highest: float) -> int:
+    """Return the number of modes with inertia, which are those up to the frequency `highest` [Hz].
+
+    omega : ndarray, shape (k,), ascending [rad/s]. Modes above are quasi-static.
+    """
     count = 0
     for one in omega:
         count += one <= 2 * np.pi * highest
@@ -38,7 +41,7 @@ def put_damping(damping: np.ndarray, stiffness: np.ndarray, p: Any) -> None:
     damping : ndarray, shape (k,)
         D, overwritten [rad/s].
     stiffness : ndarray, shape (k,)
-        omega^2 [rad2/s2]; its root is omega bit for bit.
+        omega times omega [rad2/s2], of which np.sqrt returns omega exactly.
     p : Parameters
         zeta: damping_ratio below damping_transition_frequency, and high_frequency_damping_ratio
         from there on [-].

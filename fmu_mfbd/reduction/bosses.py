@@ -178,7 +178,7 @@ def cell_means(reading: ShellReading, grid: tuple[int, int], samples: int) -> Sh
     return ShellReading(mean @ reading.outward, mean @ reading.onward, stations)
 
 
-def with_boss_modes(
+def with_pressure_modes(
     elastic: Elastic,
     bosses: Shells,
     grid: tuple[int, int],

@@ -25,7 +25,7 @@ from .bases import (
     pressure_modes,
     static_answers,
 )
-from .bosses import Shells, boss_readings, with_boss_modes
+from .bosses import Shells, boss_readings, with_pressure_modes
 from .film_loads import FilmLoads, Training, on_stations
 from .frame_integrals import Z, floating_frame_integrals, rigid_integrals
 from .geometry import block_faults, pin_bore, piston_faults
@@ -470,7 +470,7 @@ def _modes(
                     f"modes: expected an error that {MOST_MODES} modes reach, got {wanted:g} with "
                     f"{count} modes, {more} of them for the bosses; give a larger error"
                 )
-            shapes = with_boss_modes(elastic, film.bosses, film.boss_films.grid, shapes, count)
+            shapes = with_pressure_modes(elastic, film.bosses, film.boss_films.grid, shapes, count)
     whole = answers
     if parity:
         odd = surface_answers(elastic, reading, film.root(-parity))

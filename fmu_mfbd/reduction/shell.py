@@ -16,7 +16,14 @@ from ..finite_elements.solver import Factorise, factorise
 from ..geometry.grid import film_rows
 from ..options import RoundShell, SmallEnd
 from .bases import Elastic, orthonormal_modes
-from .bosses import Shells, cell_means, out_of_round, shell_reading, with_boss_modes, without_shell
+from .bosses import (
+    Shells,
+    cell_means,
+    out_of_round,
+    shell_reading,
+    with_pressure_modes,
+    without_shell,
+)
 from .interpolation import SURFACE_TOLERANCE
 from .reading import read_surfaces
 from .reduced_body import SMALL_END, ReducedShell, ShellFilm, ShellKind
@@ -25,7 +32,9 @@ Say = Callable[[str], None]
 
 
 def film_shell(mesh: Mesh, film: ShellFilm, kind: ShellKind = SMALL_END) -> Shells:
-    """Return the reading of a shell over the film's length about z = 0.
+    """Return the matrices from nodal displacements to those of the bore on the grid of the film.
+
+    The bore is read over the length of the film about z = 0.
 
     Raises
     ------
@@ -73,14 +82,14 @@ def held_shell(
     Raises
     ------
     MeshFault
-        If these nodes are on a line.
+        If these nodes are fewer than three, or on one line.
     """
     nodes = body.mesh.nodes(kind.fixed)
     place = body.mesh.points[nodes]
     if len(nodes) < 3 or np.linalg.matrix_rank(place - place.mean(axis=0), tol=1e-9) < 2:
         raise MeshFault(
-            f"{kind.title}: surface '{kind.fixed}': expected nodes off one line, got {len(nodes)} "
-            "nodes on a line"
+            f"{kind.title}: surface '{kind.fixed}': expected at least three nodes, not all on one "
+            f"line, got {len(nodes)}"
         )
     return Elastic(body.K, body.M, nodes, factors)
 
@@ -112,15 +121,15 @@ def reduce_shell(
     shell = film_shell(body.mesh, film, kind)
     elastic = held_shell(body, factors, kind)
     progress(f"{film.modes} modes of {len(elastic.free)} degrees of freedom")
-    return yielding_shell(elastic, shell, film, kind.upright)
+    return elastic_shell_modes(elastic, shell, film, kind.upright)
 
 
-def yielding_shell(
+def elastic_shell_modes(
     elastic: Elastic, shell: Shells, film: ShellFilm, upright: bool = True
 ) -> ReducedShell:
-    """Return the modes of an elastic body on the grid of the film in its only shell."""
+    """Return the modes of an elastic body, read on the grid of the film in its one shell."""
     none = np.empty((len(elastic.free), 0))
-    shapes = with_boss_modes(elastic, shell, film.grid, none, film.modes, upright)
+    shapes = with_pressure_modes(elastic, shell, film.grid, none, film.modes, upright)
     modes = orthonormal_modes(elastic, shapes)
     whole = elastic.full(modes.shapes)
     table = (*film.grid, film.modes)

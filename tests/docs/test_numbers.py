@@ -46,7 +46,7 @@ def test_the_front_page_shows_the_numbers_of_the_run(row):
 def test_the_front_page_counts_the_verification_figures():
     figures = (ROOT / "docs/figures.md").read_text()
     count, split = re.search(r"It has (\d+) figures \((.*)\), and 0 of them", figures).groups()
-    assert re.findall(r"(\d+) figures", README) == [count]
+    assert re.findall(r"(\d+) computed values", README) == [count]
     parts = re.findall(r"(\d+) (?:of them test )?the ", README.split(count)[1])[:4]
     assert parts == re.findall(r"\d+", split) and sum(map(int, parts)) == int(count)
 

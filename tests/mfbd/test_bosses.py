@@ -12,7 +12,7 @@ from piston_cosim.fmu_mfbd.finite_elements.mesh import Mesh, MeshFault
 from piston_cosim.fmu_mfbd.finite_elements.ring import Ring, ring_mesh
 from piston_cosim.fmu_mfbd.geometry.pin import shell_angles
 from piston_cosim.fmu_mfbd.options import _faults_of_bosses as bosses_faults
-from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings, with_boss_modes
+from piston_cosim.fmu_mfbd.reduction.bosses import boss_readings, with_pressure_modes
 from piston_cosim.fmu_mfbd.reduction.film_loads import FilmLoads, RecordedLoads, Training
 from piston_cosim.fmu_mfbd.reduction.reduce import reduce_piston
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ShellFilm
@@ -85,7 +85,7 @@ def test_modes_for_bosses_answer_smooth_pressure(pipe):
     missed = []
     for count in (10, 20, 40):
         none = np.empty((len(load), 0))
-        shapes = with_boss_modes(elastic, found, GRID, none, count)
+        shapes = with_pressure_modes(elastic, found, GRID, none, count)
         energy = shapes.T @ (elastic.K @ shapes)
         kept = found.outward() @ (shapes @ np.linalg.solve(energy, shapes.T @ load))
         missed.append(np.linalg.norm(kept - whole) / np.linalg.norm(whole))
