@@ -25,7 +25,7 @@ def open_participant(
         return made("participants", table.plugin, name, table.build, folder)
     if table.table:
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
-    path = _path_of_fmu(table, build, folder, progress, native, how or {})
+    path = path_of_fmu(table, build, folder, progress, native, how)
     elements = case.elements_of(name)
     how = {"step": _own_step(table), "elements": elements, "event_mode": table.event_mode}
     open_with = partial(open_fmu, name, path, **how)
@@ -63,10 +63,13 @@ def _sizes(participant, texts):
     return sizes
 
 
-def _path_of_fmu(table, build, folder, progress, native, how):
-    """Return the path of a participant's FMU; build it if necessary."""
+def path_of_fmu(table, build, folder, progress, native, how=None):
+    """Return the path of a participant's FMU; build it if necessary.
+
+    `native` : as machine code; `how` : see `system.open_system`.
+    """
     if table.package or table.file:
-        return _built(table, build, folder, progress, native, how)
+        return _built(table, build, folder, progress, native, how or {})
     if fault := missing_file(table, folder):
         raise BadInput(fault)
     return folder / table.fmu

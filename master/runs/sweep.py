@@ -22,7 +22,6 @@ from ..case.checked import check_case
 from ..case.given import build_options
 from ..case.reading import read_tree
 from ..case.tables import with_effect
-from ..fmi.builder import build_fmu
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, Stopped, for_all
 from ..fmi.quantities import are_compatible, one_micro, quantity
@@ -373,17 +372,22 @@ def build_all(points: list[Point], case_folder: Path, progress: Callable[[str], 
 
     Faults are reported in the rows.
     """
+    from ..case.ahead import ahead  # slow to import
+    from ..case.machine_code import native_choice
+    from ..case.opening import path_of_fmu
+
     wanted = {}
     for point in points:
         case = check_case(point.tree, case_folder)
         builds = build_options(case, case_folder, progress)
+        native, _ = native_choice(case, case_folder, ahead(case, case_folder).parameters)
         for name, table in case.participants.items():
             if table.package:
-                one = table.package, builds[name]
-                wanted[json.dumps(one, sort_keys=True)] = one
-    for package, build in wanted.values():
+                one = table, builds[name], name in native
+                wanted[json.dumps([table.package, *one[1:]], sort_keys=True)] = one
+    for table, build, is_native in wanted.values():
         try:
-            build_fmu(package, build, Path(case_folder), progress)
+            path_of_fmu(table, build, Path(case_folder), progress, is_native)
         except BadInput:
             continue
 
