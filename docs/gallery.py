@@ -135,6 +135,16 @@ CLOSED_FORMS = {"petroff": petroff, "shaking_force": shaking_force, "side_force"
 
 # ---- the page
 
+DESIGN = (
+    "![Maps of the skirt: change of eight figures by a micrometre on a hundredth of the skirt]"
+    "(how_to/design_maps.png)",
+    "",
+    "The [maps of sensitivities](how_to/design.md) show what a figure gains if the skirt is "
+    "further from the bore there. In numerical_example, a flatter barrel (middle further from the "
+    "bore, edges closer) gives a thicker film, less pressure and less friction.",
+)
+"""Lines about the maps of the page of designs, whose first command draws them."""
+
 
 def page():
     """Return the page of the gallery as Markdown."""
@@ -168,7 +178,8 @@ def page():
             f"<code>piston-cosim run {case} --only {entry['variants'][0]}</code>"
             "</figcaption></figure>"
         )
-    lines += ["</div>", "", "## Published studies", "", '<div class="gallery">']
+    lines += ["</div>", "", "## Where a profile matters", "", *DESIGN, ""]
+    lines += ["## Published studies", "", '<div class="gallery">']
     for study in studies():
         if (shown := picture(f"measured/{study}")) is not None:
             lines.append(

@@ -32,7 +32,7 @@ def open_participant(
         return from_plugin("participants", table.plugin, name, table.build, folder)
     if table.table:
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
-    path = _path_of_fmu(table, build, folder, progress, native, fmu_options or {})
+    path = path_of_fmu(table, build, folder, progress, native, fmu_options)
     elements = case.elements_of(name)
     options = {"step": _own_step(table), "elements": elements, "event_mode": table.event_mode}
     open_with = partial(open_fmu, name, path, **options)
@@ -70,10 +70,13 @@ def _sizes(participant, texts):
     return sizes
 
 
-def _path_of_fmu(table, build, folder, progress, native, fmu_options):
-    """Return the path of a participant's FMU; build it if necessary."""
+def path_of_fmu(table, build, folder, progress, native, fmu_options=None):
+    """Return the path of a participant's FMU; build it if necessary.
+
+    `native` : as machine code; `fmu_options` : see `system.open_system`.
+    """
     if table.package or table.file:
-        return _built(table, build, folder, progress, native, fmu_options)
+        return _built(table, build, folder, progress, native, fmu_options or {})
     if fault := missing_file(table, folder):
         raise BadInput(fault)
     return folder / table.fmu

@@ -16,7 +16,7 @@ from ..engine.measures import directions
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, for_all
 from ..results.words import entry_in_words, words_and_unit
-from ..runs.design_space import ANGLES, DesignSpace, range_of, shapes_of
+from ..runs.design_space import ANGLES, DesignSpace, range_of, shapes_of, start_of
 from ..runs.optimisation import LIMIT_TOLERANCE, Search, Task, known_figure, limit_of, optimise
 from ..runs.pool import LocalPool
 from ..runs.sensitivities import Runs, map_of, use_of
@@ -46,6 +46,7 @@ def command(
     amplitude: str = "6 um",
     limit: list[str] = [],
     at: list[str] = [],
+    start: list[str] = [],
     gradients: Annotated[Whole, Parameter(validator=positive)] = 15,
     uncertainty: Annotated[bool, Parameter(negative=())] = False,
     set_: Changes = [],
@@ -81,6 +82,9 @@ def command(
         FIGURE (not worse than in the case), FIGURE<=VALUE or FIGURE>=VALUE, repeatable.
     at
         Operating point: changes KEY=VALUE, separated by commas; repeatable. Default: the case.
+    start
+        KEY=VALUE, repeatable: value of a varied number at which the search begins. The limits stay
+        those of the case. Default: its value in the case.
     gradients
         Maximum number of gradients.
     uncertainty
@@ -117,7 +121,15 @@ def command(
     count = len(space.names) - len(ranges)
     bounds = tuple((low, high) for _, low, high in ranges) + ((-1.0, 1.0),) * count
     sign = -1.0 if ways[goal] == "raise" else 1.0
-    task = Task(goal, sign, tuple(limits), tuple(points), bounds, gradients=gradients)
+    task = Task(
+        goal=goal,
+        sign=sign,
+        limits=tuple(limits),
+        points=tuple(points),
+        bounds=bounds,
+        gradients=gradients,
+        start=(*start_of(ranges, start), *[0.0] * count),
+    )
 
     def watch(value, slack):
         excess = "" if slack >= -LIMIT_TOLERANCE else f", {-100 * slack:.1f} % beyond a limit"

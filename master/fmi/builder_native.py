@@ -16,7 +16,7 @@ import warnings
 from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from hashlib import sha256
 from importlib.metadata import version as version_of
 from importlib.util import find_spec
@@ -446,14 +446,21 @@ def link(platform: str, version: str, codes: Mapping[str, bytes]) -> bytes:
 
     The package of the model's entries is first, then those of the participants inside it.
     """
-    package, *participants = codes
+    return _link(platform, version, tuple(codes.items()), compiler_of(platform) or ())
+
+
+@lru_cache(maxsize=8)  # a sweep packs many FMUs with few libraries
+def _link(
+    platform: str, version: str, codes: tuple[tuple[str, bytes], ...], command: tuple[str, ...]
+) -> bytes:
+    package, *participants = (name for name, _ in codes)
     with tempfile.TemporaryDirectory() as scratch:
-        objects = [Path(scratch) / f"{one}.o" for one in codes]
-        for path, code in zip(objects, codes.values()):
+        objects = [Path(scratch) / f"{name}.o" for name, _ in codes]
+        for path, (_, code) in zip(objects, codes):
             path.write_bytes(code)
         return linked(
             [
-                *(compiler_of(platform) or ()),
+                *command,
                 *COMMON,
                 *PLATFORMS[platform].options,
                 *definitions(package, participants),

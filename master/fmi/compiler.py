@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
@@ -134,8 +135,13 @@ def front_sources(version: str) -> dict[str, bytes]:
 
 def compile_front(version: str) -> bytes:
     """Return the front of a Python FMU; see `linked`."""
+    return _compile_front(version, compiler() or "cc")
+
+
+@cache
+def _compile_front(version: str, command: str) -> bytes:
     files = [str(HOME / name) for name in SOURCES[version]]
-    return linked([compiler() or "cc", *FLAGS, *files, "-ldl", "-lpthread"])
+    return linked([command, *FLAGS, *files, "-ldl", "-lpthread"])
 
 
 def linked(command: Sequence[str], ending: str = ".so") -> bytes:

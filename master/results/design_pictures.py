@@ -64,11 +64,12 @@ def draw_maps(
         Above the pin [mm].
     path : Path
     """
-    drawn, panels = subplots(
-        len(maps), 1, figsize=(9.0, 2.6 * len(maps)), squeeze=False, sharex=True
-    )
+    columns = 1 if len(maps) <= 3 else 2
+    lines = -(-len(maps) // columns)
+    size = {"figsize": (7.5 * columns, 2.6 * lines), "squeeze": False}
+    drawn, panels = subplots(lines, columns, sharex=True, sharey=True, **size)
     ends = (angles[0], 360.0, heights[0], heights[-1])
-    for panel, (title, values) in zip(panels[:, 0], maps.items()):
+    for panel, (title, values) in zip(panels.flat, maps.items()):
         largest = np.abs(values).max() or 1.0
         image = panel.imshow(
             np.column_stack([values, values[:, 0]]),
@@ -81,9 +82,14 @@ def draw_maps(
         )
         drawn.colorbar(image, ax=panel)
         panel.set_title(title, fontsize=10)
+        panel.set_xticks([0, 90, 180, 270, 360])
+    for panel in panels.flat[len(maps) :]:
+        panel.set_visible(False)
+    for panel in panels[:, 0]:
         panel.set_ylabel("height above the pin [mm]", fontsize=8)
-    panels[-1, 0].set_xticks([0, 90, 180, 270, 360])
-    panels[-1, 0].set_xlabel("angle from the pin axis [deg]; thrust 90, anti-thrust 270")
+    for panel in panels.flat[len(maps) - columns : len(maps)]:
+        panel.tick_params(labelbottom=True)
+        panel.set_xlabel("angle from the pin axis [deg]; thrust 90, anti-thrust 270")
     return save(drawn, path)
 
 

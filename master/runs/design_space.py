@@ -26,7 +26,7 @@ from ..case.contract import players
 from ..case.keys import key_at
 from ..case.schema import Case
 from ..fmi.cache import write_whole
-from ..fmi.errors import BadInput
+from ..fmi.errors import BadInput, for_all
 from ..fmi.option_classes import Key
 from ..fmi.quantities import are_compatible, one_micro, quantity, registry, to_si
 
@@ -194,6 +194,34 @@ def range_of(
         name=name.strip(), keys=keys, value=known.magnitude, scale=scale, unit=_unit_of(known)
     )
     return number, *bounds
+
+
+def start_of(ranges: Sequence[tuple[Number, float, float]], texts: Sequence[str]) -> np.ndarray:
+    """Return the shares of all numbers, 0 except for those of a text "KEY=VALUE".
+
+    ranges : of `range_of`.
+
+    Raises
+    ------
+    BadInput
+        For a key that is not varied, and a value of another unit or outside the range.
+    """
+    shares = np.zeros(len(ranges))
+
+    def read(text):
+        name, _, value = (one.strip() for one in text.partition("="))
+        names = [number.name for number, *_ in ranges]
+        if name not in names:
+            raise BadInput(f"--start {name}: expected a number of --vary, got another one")
+        number, low, high = ranges[names.index(name)]
+        made = in_units_of(quantity(f"1 {number.unit}"), value, f"--start {name}")
+        share = (made - number.value) / number.scale
+        if not low <= share <= high:
+            raise BadInput(f"--start {name}: expected a value in the range of --vary, got {value}")
+        shares[names.index(name)] = share
+
+    for_all(read, texts)
+    return shares
 
 
 def in_units_of(known: Any, text: str, where: str, is_difference: bool = False) -> float:

@@ -98,7 +98,8 @@ class Task:
     """Task of an optimisation.
 
     goal : figure; sign : 1 if less is better, -1 if more; limits; points : changes of the case at
-    each operating point; bounds : lower and upper share of each variable; gradients : at most.
+    each operating point; bounds : lower and upper share of each variable; gradients : at most;
+    start : shares at which the search begins, default: those of the case.
     """
 
     goal: str
@@ -107,6 +108,7 @@ class Task:
     points: tuple[Changes, ...]
     bounds: tuple[tuple[float, float], ...]
     gradients: int = 15
+    start: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -262,7 +264,7 @@ def optimise(search: Search) -> Optimum:
     }
     done = minimize(
         lambda x: search.at(x)[0],
-        zero,
+        np.array(task.start) if task.start else zero,
         jac=lambda x: search.slope(x)[0],
         method="SLSQP",
         bounds=task.bounds,

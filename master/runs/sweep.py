@@ -22,7 +22,6 @@ from ..case.checked import check_case
 from ..case.given import build_options
 from ..case.reading import read_tree
 from ..case.tables import with_effect
-from ..fmi.builder import build_fmu
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, Stopped, for_all
 from ..fmi.quantities import are_compatible, one_micro, quantity
@@ -392,17 +391,22 @@ def build_all(points: list[Point], case_folder: Path, progress: Callable[[str], 
 
     Faults are reported in the rows.
     """
-    builds = {}  # without duplicates
+    from ..case.ahead import ahead  # slow to import
+    from ..case.machine_code import native_choice
+    from ..case.opening import path_of_fmu
+
+    fmus = {}  # without duplicates
     for point in points:
         case = check_case(point.tree, case_folder)
         options = build_options(case, case_folder, progress)
+        native, _ = native_choice(case, case_folder, ahead(case, case_folder).parameters)
         for name, table in case.participants.items():
             if table.package:
-                build = table.package, options[name]
-                builds[json.dumps(build, sort_keys=True)] = build
-    for package, package_options in builds.values():
+                fmu = table, options[name], name in native
+                fmus[json.dumps([table.package, *fmu[1:]], sort_keys=True)] = fmu
+    for table, build, is_native in fmus.values():
         try:
-            build_fmu(package, package_options, Path(case_folder), progress)
+            path_of_fmu(table, build, Path(case_folder), progress, is_native)
         except BadInput:
             continue
 

@@ -27,6 +27,7 @@ from piston_cosim.master.runs.design_space import (
     number_of,
     range_of,
     shapes_of,
+    start_of,
 )
 from piston_cosim.master.runs.optimisation import (
     FAILED_OBJECTIVE,
@@ -42,6 +43,7 @@ from tests.command import call
 
 PATH = find_case("numerical_example")
 TREE = read_tree(PATH)
+RANGES = [range_of(TREE, "radial_clearance=8um..14um", PATH.parent, "--vary")]
 FRICTION, FILM = "mean_friction_power_w", "minimum_film_thickness_m"
 
 
@@ -132,6 +134,23 @@ def test_the_optimum_is_the_constrained_one_with_its_multiplier(runs):
     assert active.multiplier == pytest.approx(5 * 11.5 / 217, rel=0.03)  # of the same difference
 
 
+def test_a_search_from_another_start_finds_another_minimum_and_compares_with_the_case(runs):
+    # f = (c - 10)^2 (c - 13)^2 + 100 - c has a minimum on each side of c = 11.5
+    executor = Formulas(**{FRICTION: lambda c, v: 100.0 - c + ((c - 10) * (c - 13)) ** 2})
+    number, *bounds = RANGES[0]
+    assert start_of(RANGES, []).tolist() == [0.0]
+    start = tuple(start_of(RANGES, ["radial_clearance = 0.0125 mm"]))
+    assert start == pytest.approx((2.5 / 3.0,))
+    ends = []
+    for first in ((), start):
+        task = Task(FRICTION, 1.0, (), ([],), (tuple(bounds),), start=first)
+        best = optimise(Search(task, runs(executor, DesignSpace((number,)), str(len(first)))))
+        assert best.before == 1.0 and best.history[0].shares.tolist() == [0.0]
+        ends.append(number.value + best.shares[0] * number.scale)
+    # 1 = 2 (c - 10)(c - 13)(2 c - 23) next to 10 and 13, less half of the difference of 0.15 um
+    assert ends == pytest.approx([10.06, 13.05], abs=0.09)
+
+
 def test_limits_of_the_case_hold_at_each_point_and_failed_designs_are_bad(runs):
     # more film: f = c; at most as much friction as in the case: v c <= 60, 5 c at the second point
     executor = Formulas(12.0, **{FILM: lambda c, v: c, FRICTION: lambda c, v: v * c})
@@ -199,6 +218,12 @@ def test_shapes_keep_the_mean_are_symmetric_and_survive_their_table(tmp_path):
             "expected a range that contains 10.* um",
         ),
         (lambda: range_of(TREE, "viscosity=3", PATH.parent, "--vary"), "expected KEY=LOW..HIGH"),
+        (
+            lambda: start_of(RANGES, ["viscosity=5 mPa s"]),
+            "--start viscosity: expected a number of",
+        ),
+        (lambda: start_of(RANGES, ["radial_clearance=9"]), "--start radial_clearance: .* in um"),
+        (lambda: start_of(RANGES, ["radial_clearance=15um"]), "the range of --vary, got 15um"),
         (lambda: shapes_of(check_case(TREE, PATH), TREE, "3x1", 1e-6, PATH), "4x1 to 12x8"),
         (lambda: limit_of("film", {FILM: "raise"}), "unknown figure 'film'"),
         (lambda: limit_of(f"{FILM}<=1 s", {FILM: "raise"}), "expected a quantity in m"),

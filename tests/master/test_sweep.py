@@ -13,6 +13,7 @@ from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.runs.recorder import CannotWrite
 from piston_cosim.master.runs.sweep import (
     all_points,
+    build_all,
     parse_axis,
     run_point,
     sweep,
@@ -84,6 +85,20 @@ def test_points_of_one_case_are_one_run_with_a_row_each(tree, tmp_path):
     assert executor.asked == 2
     assert [(row["label"], row["status"]) for row in rows] == [("a", "done"), ("b", "done")] * 2
     assert sorted(done for _, done, _ in seen) == [1, 2, 3, 4]
+
+
+def test_fmus_are_built_once_and_as_the_runs_use_them(tree, monkeypatch):
+    built = []
+
+    def path_of_fmu(table, build, folder, progress, is_native):
+        built.append((table.package, build["grid"], is_native))
+
+    monkeypatch.setattr("piston_cosim.master.case.opening.path_of_fmu", path_of_fmu)
+    axes = [parse_axis(f"{key};9 um", tree) for key in ("barrel=8 um", "roughness_rms=8 um")]
+    points = all_points(PATH, [("native", ["ehd"])], axes)
+    build_all(points, PATH.parent, lambda text: None)
+    assert len(points) == 4
+    assert built == [("fmu_mfbd", [40, 40], False), ("fmu_ehd", [40, 40], True)]
 
 
 class Here(Executor):
