@@ -262,6 +262,8 @@ class Film:
         except NotConverged as trouble:
             self.state = before
             raise Discard(str(trouble)) from None
+        finally:
+            self.model.set_lift(True)
 
     def equilibrium(
         self,
@@ -348,6 +350,8 @@ class Film:
         except NotConverged as trouble:
             self.state = before
             raise Discard(str(trouble)) from None
+        finally:
+            self.model.set_lift(True)
 
     def _balance(
         self,
@@ -365,9 +369,8 @@ class Film:
             return journal.by_shapes(self.model.tangent, shapes, self.grid)
 
         def settled(film_thickness: Array, state: Memory) -> journal.SettledFilm:
-            self.state = state
             now = inputs | dict(film_thickness=film_thickness)
-            self._settle(first, tolerance, now)
+            self._settle_from(state, first, tolerance, now)
             steady, by_shape = self._memory, by_shapes()
             return journal.SettledFilm(self._at_rest(now), by_shape, steady)
 
@@ -428,7 +431,8 @@ class Film:
     def _approach(self, inputs: dict[str, Any], tolerance: float) -> None:
         """Settle a film from its start, in short steps or from thicker ones if that fails."""
         try:
-            self._settle(self._start(inputs), tolerance, inputs)
+            first = self._start(inputs)
+            self._settle_from(self._memory, first, tolerance, inputs)
         except NotConverged as trouble:
             longest = self._short_step(inputs)
             if longest < LONGEST_STEP:
@@ -453,12 +457,24 @@ class Film:
         """
         fixed = self.model.fixed
         velocity = 0.0 if fixed.domain.bearing else float(np.abs(inputs["sliding_velocity"]).max())
+        if velocity == 0.0:
+            return LONGEST_STEP
         travel = CELLS_PER_STEP * fixed.domain.cells.dy
-        return (
-            min(LONGEST_STEP, travel / (abs(fixed.share) * velocity))
-            if velocity > 0.0
-            else LONGEST_STEP
-        )
+        return min(LONGEST_STEP, travel / (abs(fixed.share) * velocity))
+
+    def _settle_from(
+        self, state: Memory, outputs: dict[str, Any], tolerance: float, inputs: dict[str, Any]
+    ) -> None:
+        """Settle a film from a state; a bearing without lift if it does not stay with it."""
+        self.state = state
+        try:
+            self._settle(outputs, tolerance, inputs)
+        except NotConverged:
+            if not (self._is_bearing and self.model.fixed.domain.is_lifted):
+                raise
+            self.model.set_lift(False)
+            self.state = state
+            self._settle(outputs, tolerance, inputs)
 
     def _settle(
         self,

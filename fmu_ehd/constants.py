@@ -221,13 +221,15 @@ def fixed_of(x: Any, chosen: Any, tables: Tables, on_bore: bool) -> FilmConstant
     """
     cells = cells_of(x, tables)
     n_c, n_a = tables.open_cells.shape
+    model = cavitation_of(x, chosen)
     domain = Domain(
         cells=cells,
         open_cells=tables.open_cells,
         has_openings=bool(tables.open_cells.any()),
-        model=cavitation_of(x, chosen),
+        model=model,
         together=cavitation.at_once(n_c, n_a),
         bearing=tables.bearing,
+        is_lifted=model.rounding == 0.0,
     )
     factors = np.zeros((0, 0))
     if chosen.flow_factors == PATIR_CHENG_1978:

@@ -47,6 +47,11 @@ class LubricationModel:
         self._images = constants.images_of(self._tables)
         self._given = surroundings(p, {}, self._images)
 
+    def set_lift(self, is_lifted: bool) -> None:
+        """Let the film fraction have its lift (`transport`) in later steps, or omit it."""
+        has_lift = is_lifted and self.fixed.domain.model.rounding == 0.0
+        self.fixed = self.fixed._replace(domain=self.fixed.domain._replace(is_lifted=has_lift))
+
     # ---- steps
 
     def start(

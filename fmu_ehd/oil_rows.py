@@ -23,8 +23,9 @@ from .common.grid import (
     Flags,
     images,
     in_plenty,
+    keep,
 )
-from .common.quantities import CARRIERS, CONDUCTIVITY, CONDUCTIVITY_C
+from .common.quantities import CARRIERS, CONDUCTIVITY, CONDUCTIVITY_C, STORED, TRANSPORT
 from .step_parts import PreviousFilm
 
 
@@ -44,11 +45,11 @@ class PastRows(NamedTuple):
 
 @compiled
 def carriers(film: Array, bearing: bool):
-    """Return the quantities of `films` that `balance.transport` needs, shape (3, n_c, n_a)."""
+    """Return the quantities of `films` that `transport` needs, shape (3, n_c, n_a)."""
     if not bearing:
         return film[:CARRIERS]
     carrying = film[:CARRIERS].copy()
-    carrying[CONDUCTIVITY] = film[CONDUCTIVITY_C]
+    keep(carrying[CONDUCTIVITY], film[CONDUCTIVITY_C])
     return carrying
 
 
@@ -58,7 +59,11 @@ def _rows(field: np.ndarray, order: np.ndarray):
 
     order : ndarray of int, shape (length,), i of each cell or face of a row.
     """
-    return np.ascontiguousarray(field[order].T)
+    rows = np.empty((field.shape[1], order.size), field.dtype)
+    for k in range(order.size):
+        for j in range(field.shape[1]):
+            rows[j, k] = field[order[k], j]
+    return rows
 
 
 @compiled
@@ -67,17 +72,33 @@ def _rows_of_each(fields: Array, order: np.ndarray):
     m, _, n_a = fields.shape
     rows = np.empty((m, n_a, order.size))
     for q in range(m):
-        rows[q] = _rows(fields[q], order)
+        keep(rows[q], _rows(fields[q], order))
     return rows
 
 
 @compiled
-def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, domain: Domain):
-    """Lift of the film fraction, `transport.lift`, from the past alone.
+def _overlap(before: PreviousFilm, ratio: float, cells: Cells):
+    """Return the cells by which the rows of a ring overlap at both ends, so its lift has no seam.
 
-    On a ring, rows overlap at both ends by the cells that the explicit steps see, four cells
-    upstream in each, so the lift has no seam.
+    An explicit step looks four cells upstream. The film that is expected may need one step more
+    than the last one.
     """
+    n_c, n_a = before.unknown.shape
+    farthest = 0.0
+    for i in range(n_c + 1):
+        for j in range(n_a):
+            faster = 0.0
+            for k in ((i - 1) % n_c, i % n_c):
+                here = before.film[TRANSPORT, k, j] / before.film[STORED, k, j]
+                faster = max(faster, here)
+            farthest = max(farthest, abs(before.travel[i, j]) * ratio / cells.dx * faster)
+    steps = np.ceil(min(farthest, transport.FARTHEST) / transport.LARGEST_COURANT) + 1.0
+    return 4 * int(steps) + 2
+
+
+@compiled
+def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, domain: Domain):
+    """Return the lift of the film fraction, `transport.lift`, from the past alone."""
     cells = domain.cells
     if not domain.bearing:
         rows = PastRows(
@@ -94,12 +115,10 @@ def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, doma
         return _lift_of_rows(rows, pace, edges, step, cells, True)
     n_c, n_a = before.unknown.shape
     travel = before.travel * pace.ratio
-    farthest = np.abs(travel).max() / cells.dx
-    steps = np.ceil(min(farthest, transport.FARTHEST) / transport.LARGEST_COURANT)
-    margin = 4 * int(steps) + 2 if cells.ring else 0
-    faces = np.arange(-margin, n_c + margin + 1)
-    if cells.ring:
-        faces = faces % n_c
+    margin = _overlap(before, pace.ratio, cells) if cells.ring else 0
+    faces = np.empty(n_c + 2 * margin + 1, np.int64)
+    for k in range(faces.size):
+        faces[k] = (k - margin) % n_c if cells.ring else k
     order = faces[:-1]
     rows = PastRows(
         unknown=_rows(before.unknown, order),
@@ -119,9 +138,11 @@ def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, doma
         fraction[UPPER] = edges.film_fraction[LAST]
     ends = Edges(edges.pressure, fraction, in_plenty(rows.unknown.shape))
     lifted = _lift_of_rows(rows, pace, ends, step, Cells(cells.dy, cells.dx, False, False), False)
-    around = np.ascontiguousarray(lifted.fraction[:, margin : margin + n_c + 1].T)
-    if cells.ring:
-        around[n_c] = around[0]
+    around = np.empty((n_c + 1, n_a))
+    for i in range(n_c + 1):
+        k = margin + (i % n_c if cells.ring else i)
+        for j in range(n_a):
+            around[i, j] = lifted.fraction[j, k]
     return Lift(around, travel)
 
 

@@ -332,7 +332,7 @@ def begin(fixed: FilmConstants, memory: Memory, inputs: Inputs, faults: Array) -
         limit = oil_layer.limit(bore, layer, carried, begun.start.length)
         edges = Edges(edges.pressure, edges.film_fraction, limit)
     lift = Lift(np.zeros((0, 0)), np.zeros((0, 0)))
-    if domain.model.rounding == 0.0:
+    if domain.is_lifted:
         lift = oil_rows.lift(before, begun.pace, edges, inputs.length, domain)
     moved = Entrainment(fixed.share * inputs.turning, fixed.share * inputs.velocity)
     return StepStart(begun, layer, edges, lift, moved)

@@ -353,9 +353,14 @@ def passage(
         for j in range(n_a):
             growth[i, j] = (solution.content[i, j] - before.content[i, j]) / step
     flow = solution.flow_around if domain.bearing else solution.axial_flow
-    passed = pace.share * before.passed + length * flow
-    moved = length * sliding_velocity(entrainment, domain)
-    travel = pace.share * before.travel + moved  # Eq. (T15)
+    velocity = sliding_velocity(entrainment, domain)
+    passed = np.empty(flow.shape)
+    travel = np.empty(flow.shape)
+    for i in range(flow.shape[0]):
+        for j in range(flow.shape[1]):
+            passed[i, j] = pace.share * before.passed[i, j] + length * flow[i, j]
+            moved = length * velocity[i, j]
+            travel[i, j] = pace.share * before.travel[i, j] + moved  # Eq. (T15)
     return OilTransport(growth, passed, travel)
 
 

@@ -38,7 +38,7 @@ from . import flows, openings, reynolds, tangent
 from .flows import FaceLift, Faces, Filling
 from .reynolds import Storage
 from .storage import EulerStep
-from .transport import FRACTION_ROUNDOFF, Lift
+from .transport import Lift
 
 REFINE_ABOVE = 2e-13  # mass imbalance above which the solution is refined once
 EVEN = 1e-9  # differences over the highest pressure up to which they may be round-off
@@ -52,7 +52,8 @@ class Domain(NamedTuple):
     cells : grid.Cells; open_cells : ndarray of bool, shape (n_c, n_a), cells without a film;
     has_openings : whether there are any; model : cavitation.Cavitation;
     together : iterations in which all cells switch together, `cavitation.at_once`;
-    bearing : whether sliding carries the oil around, and not along the axis.
+    bearing : whether sliding carries the oil around, and not along the axis;
+    is_lifted : whether the film fraction has a lift, `transport`.
     """
 
     cells: Cells
@@ -61,6 +62,7 @@ class Domain(NamedTuple):
     model: Cavitation
     together: int
     bearing: bool
+    is_lifted: bool
 
 
 class BalanceInputs(NamedTuple):
@@ -331,23 +333,6 @@ def rounded_cells(
 
 
 @compiled
-def give_up_lift(lift: FaceLift, unknown: Array, full: Flags):
-    """Remove the lift from rows in which a cell would owe oil; return whether there was any.
-
-    Film or velocity jumped there.
-    """
-    gives_up = False
-    for i in range(unknown.shape[0]):
-        for j in range(unknown.shape[1]):
-            if full[i, j] or unknown[i, j] >= -1.0 - FRACTION_ROUNDOFF:
-                continue
-            gives_up = gives_up or lift.axial[i].any() or lift.around[:, j].any()
-            lift.axial[i] = 0.0
-            lift.around[:, j] = 0.0
-    return gives_up
-
-
-@compiled
 def sliding_velocity(entrainment: Entrainment, domain: Domain):
     """Return the entrainment velocity at the faces that sliding carries the oil through [m/s].
 
@@ -480,7 +465,7 @@ def solve(
     equations = equations_of(given, domain)
     solution = full_cells(equations, solver, first_guess(given.full, equations), faults)
     iterations = solution.iterations
-    while faults[0] == 0.0 and give_up_lift(equations.lift, solution.unknown, solution.full):
+    while faults[0] == 0.0 and flows.give_up_lift(equations.lift, solution.unknown, solution.full):
         solution = full_cells(equations, solver, solution.full, faults)
         iterations += solution.iterations
     whole = FullCells(solution.unknown, solution.full, iterations, solution.stencil)

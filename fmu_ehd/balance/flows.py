@@ -19,7 +19,10 @@ from ..common.grid import (
     Edges,
     FacesAround,
     Field,
+    Flags,
 )
+
+FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
 
 
 class Faces(NamedTuple):
@@ -83,6 +86,26 @@ def no_lift(shape: tuple[int, int]):
     """Return the `FaceLift` of a grid of that shape without a lift."""
     n_c, n_a = shape
     return FaceLift(np.zeros((n_c, n_a + 1)), np.zeros((n_c + 1, n_a)))
+
+
+@compiled
+def give_up_lift(lift: FaceLift, unknown: Array, full: Flags):
+    """Remove the lift from rows in which a cell would owe oil; return whether there was any.
+
+    Film or velocity jumped there.
+    """
+    gives_up = False
+    for i in range(unknown.shape[0]):
+        for j in range(unknown.shape[1]):
+            if full[i, j] or unknown[i, j] >= -1.0 - FRACTION_ROUNDOFF:
+                continue
+            for k in range(lift.axial.shape[1]):
+                gives_up = gives_up or lift.axial[i, k] != 0.0
+                lift.axial[i, k] = 0.0
+            for k in range(lift.around.shape[0]):
+                gives_up = gives_up or lift.around[k, j] != 0.0
+                lift.around[k, j] = 0.0
+    return gives_up
 
 
 @compiled(forceinline=True)

@@ -90,7 +90,6 @@ STEEPEST = 1.0 / LARGEST_COURANT - 1.0  # bound on m at a face in Eq. (T13), no 
 # in an explicit step and with the memory of the last step; from order tests in the step
 NEAR_FULL = 0.75
 NEAR_FULL_WITH_MEMORY = 3.0
-FRACTION_ROUNDOFF = 1e-15  # film fraction below zero that is rounding
 
 
 class CellStates(NamedTuple):

@@ -63,8 +63,7 @@ def open_system(
     own : mapping, optional
         Constructors of participants that exist only in this process, by name.
     fmu_options : mapping, optional
-        Version of FMI and default experiment of FMUs in Python, as for `builder.build_fmu`.
-        Default: for a run, in machine code where possible.
+        As for `builder.build_fmu`, for FMUs in Python. Default: in machine code where possible.
 
     Raises
     ------

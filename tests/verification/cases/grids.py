@@ -81,6 +81,7 @@ class FilmStep:
             model=cavitation.CAVITATION[model],
             together=cavitation.at_once(*grid.shape),
             bearing=False,
+            is_lifted=True,
         )
         self.solver = linear_solver(grid.shape)
 
