@@ -280,7 +280,10 @@ class Stepper:
             begin = time + done * length
             saved = self._save()
             try:
-                self._accept_solved(begin, length, self._converge(begin, length, saved))
+                solution = self._converge(begin, length, saved)
+                self.judge(begin + length, solution, True, True)
+                self.predictor.keep(begin + length, solution.x)
+                self._accept(begin, length, solution, self.interface.trail)
             except Ticked as tick:
                 self._roll_back(begin, length, saved, tick)
                 return self._take_macro_step(begin, tick.time - begin, halvings - depth)
@@ -416,7 +419,9 @@ class Stepper:
                 reason = f"local error {control.error:.2g} times the allowed one"
                 self.counters.rejected_steps += 1
             else:
-                self._accept_solved(time, step, solution)
+                self.judge(time + step, solution, True, True)
+                self.predictor.keep(time + step, solution.x)
+                self._accept(time, step, solution, self.interface.trail)
                 if self._limits_control:
                     control.limit(longest)
                 return True
@@ -447,12 +452,6 @@ class Stepper:
         for name, state in saved.items():
             self.interface.participants[name].free(state)
         self.interface.spent["transport"] += perf_counter() - begun
-
-    def _accept_solved(self, time: float, step: float, solution: Solution) -> None:
-        """Accept a step that is solved; raise EnergyCreated if it creates energy."""
-        self.judge(time + step, solution, True, True)
-        self.predictor.keep(time + step, solution.x)
-        self._accept(time, step, solution, self.interface.trail)
 
     def _accept(
         self, time: float, step: float, solution: Solution, trail: list[list[float]]

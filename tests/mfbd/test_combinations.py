@@ -59,12 +59,12 @@ MOVING = Carrier(30.0, -50.0, 400.0, 1.7)
 """A block that shakes harder than any on mounts."""
 
 
-def carried_way(model, steps=4):
+def carried_way(model, carrier=MOVING, steps=4):
     """Return the state before the last step, its inputs and its outputs in a block that moves."""
     model.model = model.model._replace(mounted=True)
     state, out = model.start(0.3, 2e-6, 1e-4, rough_inputs(model, 0, 0.0))
     for k in range(steps):
-        before, inputs = state, replace(rough_inputs(model, k), carrier=MOVING)
+        before, inputs = state, replace(rough_inputs(model, k), carrier=carrier)
         state, out = model.advance(before, inputs, STEP)
     return before, inputs, out
 
