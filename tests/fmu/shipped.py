@@ -10,7 +10,7 @@ from .engines import ENGINES, engine_tree
 from .engines import PATH as TWIN
 from .films import PATH as DATA_SHEET
 from .films import even_bands, one_film, several_films
-from .runs import coarse, pin_case
+from .runs import coarse, pin_case, tight
 
 FLOATING_PIN, CRANK_BEARINGS = find_case("floating_pin"), find_case("crank_bearings")
 YIELDING, FLEXIBLE_TWIN = find_case("yielding_bosses"), find_case("flexible_twin")
@@ -108,7 +108,10 @@ def flexible_twin(stop, path=FLEXIBLE_TWIN):
 
 RUNS = {
     "floating_pin": lambda: (FLOATING_PIN, firing_pin(0)),
-    "bending_pin": lambda: (FLOATING_PIN, firing_pin(5)),
+    "bending_pin": lambda: (
+        FLOATING_PIN,
+        tight(firing_pin(5), "0.1 nm"),
+    ),  # mirrors as well as that
     "tied_pin": lambda: (DATA_SHEET, tied(BEFORE_FIRING, ("time.stop", "80 deg"))),
     "crank_bearings": lambda: (CRANK_BEARINGS, small_crank(stop="400 deg")),
     "yielding_bosses": lambda: (YIELDING, yielding()),

@@ -135,14 +135,15 @@ def test_every_output_is_that_of_the_fmu_in_python():
 def test_parts_of_a_macro_step_are_those_of_the_fmu_in_python():
     """The eleventh of 12 steps is repeated in parts down to 1/32.
 
-    Accelerations are second differences, so that round-off is at most 32^2 times as large.
+    Velocities are differences over a part, so that round-off is at most 32 times as large. A piston
+    that cools would add the last bit of its clearance, which these parts show as up to 3e-9.
     """
     pair = both(small_tree(("time.stop", "12 deg")), EXAMPLE)
-    apart = compared(pair, 12, HARD | {"impact_resolution": 10e-9})
+    apart = compared(pair, 12, HARD | {"impact_resolution": 10e-9}, warm)
     ours, theirs = apart.last
     assert [ours[name] for name in COUNTS] == [theirs[name] for name in COUNTS]
     assert ours["residual_evaluations"] > 300.0  # 100 after ten steps
-    assert max(apart.shares(OF_WORKS).values()) <= 1024 * ROUND_OFF
+    assert max(apart.shares(OF_WORKS).values()) <= 32 * ROUND_OFF
 
 
 def test_a_step_whose_parts_fail_is_taken_without_parts_as_in_python():

@@ -25,14 +25,14 @@ from piston_cosim.master.fmi.errors import BadInput
 
 from .films import PATH as DATA_SHEET
 from .films import several_films
-from .runs import EXAMPLE, needs_compiler, run_tree, small_tree
+from .runs import EXAMPLE, needs_compiler, run_tree, small_tree, tight
 
 COUNTS = ("steps", "residual_evaluations", "jacobian_evaluations")
 ROUND_OFF_BY_ITSELF = ("interface_work_error", "mass_imbalance", "block.power_error")
 """The last one of the rigid block of the twin, 1e-17 J."""
 AGREES = 1e-6
 """Of each curve's range. Where in the wires' tolerance an iteration ends follows the last digits of
-the bodies' products, so the tolerance is a hundredth of the case's.
+the bodies' products, so the tolerance is a hundredth of the case's or less.
 """
 PRODUCTS, RESIDUAL = "coupling.derivative_products", "coupling.residual"
 """A Krylov space ends some products earlier or later where its goal is near their round-off, and
@@ -52,20 +52,22 @@ def hard():
         ("participants.bodies.parameters.crank_offset", "1 mm"),
         ("participants.ehd.parameters.film_fraction_lower_edge", 0.6),
         ("participants.ehd.parameters.roughness_rms", "1.5 um"),
-        ("wires.0.tolerance", "0.01 nm"),
-        ("wires.1.tolerance", 1e-8),
+        ("wires.0.tolerance", "0.001 nm"),
+        ("wires.1.tolerance", 1e-9),
         modes=4,
     )
     return tree, EXAMPLE
 
 
 def twin():
-    """Two cylinders on a mounted block, whose file stays in Python; on small grids."""
+    """Two cylinders on a mounted block, whose file stays in Python; small grids, no parts."""
     path = find_case("twin")
     names = ("front", "front_film", "rear", "rear_film")
     small = [(f"participants.{name}.build.grid", [12, 10]) for name in names]
-    offset = [(f"participants.{name}.parameters.crank_offset", "1 mm") for name in names[::2]]
-    tree = read_tree(path, [*small, *offset, ("time.stop", "20 deg")])
+    values = ("crank_offset", "1 mm"), ("impact_resolution", "1 m")
+    beside = [(f"participants.{n}.parameters.{key}", v) for n in names[::2] for key, v in values]
+    tree = read_tree(path, [*small, *beside, ("time.stop", "20 deg")])
+    tree = tight(tree, "0.01 nm")
     return tree | {"record": {}, "summary": {}, "monitor": {}, "pictures": []}, path
 
 
