@@ -16,6 +16,13 @@ ALONG = ((np.arange(SHAPE[1]) + 0.5) / SHAPE[1] - 0.5) * LENGTH
 THINNEST = 4.5e-6
 ROUNDING = 9.0
 STARVED = dict(film_fraction_lower_edge=0.5, film_fraction_upper_edge=0.5)
+ON_BORE = dict(
+    oil_supply="bore_and_ring",
+    stroke=60e-3,
+    initial_oil_layer=8e-6,
+    oil_ring_layer=5e-6,
+    initial_film_fraction=0.3,
+)
 WINDOW = np.zeros(SHAPE, dtype=bool)
 WINDOW[2:4, 10:14] = True
 
@@ -66,7 +73,7 @@ def distances(**options):
     return np.array(rms)
 
 
-@pytest.mark.parametrize("options", [{}, STARVED, dict(roughness_rms=2e-6)])
+@pytest.mark.parametrize("options", [{}, STARVED, ON_BORE, dict(roughness_rms=2e-6)])
 def test_differences_of_a_revolution_converge(options):
     """Distances of a smooth function fall by 100 for a tenth of the size, those of kinks do not."""
     rounded = distances(**options)
