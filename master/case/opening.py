@@ -8,7 +8,6 @@ from ..participants.isolated import IsolatedParticipant
 from ..participants.open import open_fmu
 from ..participants.plugins import from_plugin
 from ..participants.table import TableParticipant
-from .ahead import missing_file
 from .contract import in_contract_units
 from .values import value_of
 
@@ -77,8 +76,6 @@ def path_of_fmu(table, build, folder, progress, native, fmu_options=None):
     """
     if table.package or table.file:
         return _built(table, build, folder, progress, native, fmu_options or {})
-    if fault := missing_file(table, folder):
-        raise BadInput(fault)
     return folder / table.fmu
 
 

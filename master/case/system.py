@@ -29,7 +29,6 @@ from .times import record_interval
 from .values import parameter_values
 from .wires import (
     check_elements,
-    check_sources,
     conversions_of,
     converting,
     different_items,
@@ -82,7 +81,6 @@ def open_system(
         )
         for name, one in opened.items()
     }
-    check_sources(case.wires, faults)
     check_elements(case.wires, opened, faults)
     give_types(case.wires, opened, faults)
     joined = [wire_of(table, opened, case.coupling, faults) for table in case.wires]

@@ -1,7 +1,6 @@
 """Functions of several commands: read options, resolve variants, open results, print."""
 
 import json
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -11,7 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from ..case.changes import changes_of_variant, value_at
+from ..case.changes import changes_of_variant, toml_value, value_at
 from ..case.checked import check_case
 from ..case.contract import players
 from ..case.reading import case_names, find_case, name_of_case, read_tree
@@ -70,10 +69,7 @@ def parse_change(text):
     key, sign, value = text.partition("=")
     if not sign or not key:
         raise BadInput(f"--set: expected KEY=VALUE, got {text!r}")
-    try:
-        return key.strip(), tomllib.loads(f"v = {value}")["v"]
-    except tomllib.TOMLDecodeError:
-        return key.strip(), value.strip().strip("\"'")
+    return key.strip(), toml_value(value)
 
 
 def parse_changes(texts):

@@ -330,6 +330,11 @@ def one_micro(text: str) -> str:
     return text.replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
 
 
+def unit_text(units: Any) -> str:
+    """Return units of pint as a case file writes them, with u for micro."""
+    return one_micro(f"{units:~}").replace("\N{MICRO SIGN}", "u")
+
+
 TWO_DIGITS = 3.55
 """Leading digits of an uncertainty up to which it has two digits, as in the tables of the Particle
 Data Group. A larger one has one digit."""
