@@ -16,7 +16,6 @@ from ..case.contract import players
 from ..case.reading import case_names, find_case, name_of_case, read_tree
 from ..case.tables import titles
 from ..fmi.errors import BadInput, for_all
-from ..fmi.quantities import to_si
 from ..fmi.tree import import_part
 from ..runs.working import working
 from .usage import new_file, new_folder, picture_file, positive, whole
@@ -134,17 +133,6 @@ def changed_case(name, texts, only, output, purpose):
         changes = [*changes_of_variant(read_tree(path), only).items(), *changes]
     folder = output or Path("results") / f"{purpose}_{name_of_case(path)}"
     return path, changes, folder.absolute()
-
-
-def length_of(option, text):
-    """Return a positive length [m] of an option."""
-    try:
-        length = to_si(text, "m")
-    except ValueError as error:
-        raise BadInput(f"{option}: {error}") from None
-    if not length > 0.0:
-        raise BadInput(f"{option}: expected a length above 0, got {text!r}")
-    return length
 
 
 def warn_of_estimates(trees, folder):

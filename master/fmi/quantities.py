@@ -237,19 +237,19 @@ def base_unit(unit: str) -> dict[str, str]:
     return powers if base.magnitude == 1.0 else {"factor": repr(base.magnitude)} | powers
 
 
-def duration(name: str, text: str) -> float:
-    """Return a positive time in seconds; raise `BadInput` with `name` if it is not.
+def positive_si(name: str, text: str, unit: str) -> float:
+    """Convert a quantity above 0 to SI; raise `BadInput` with `name` for others.
 
-    >>> duration("time.stop", "20 ms")
+    >>> positive_si("--time-limit", "20 ms", "s")
     0.02
     """
     try:
-        seconds = to_si(text, "s")
+        value = to_si(text, unit)
     except ValueError as error:
         raise BadInput(f"{name}: {error}") from None
-    if not seconds > 0:
-        raise BadInput(f"{name}: expected a positive time, got {text!r}")
-    return seconds
+    if not value > 0.0:
+        raise BadInput(f"{name}: expected a value above 0 {unit}, got {text!r}")
+    return value
 
 
 def is_angle(text: str) -> bool:
