@@ -113,6 +113,22 @@ def whole_key(tree: Tree, key: str, folder: Path) -> str:
     )
 
 
+def whole_keys(tree: Tree, text: str, folder: Path, option: str) -> tuple[str, ...]:
+    """Return the dotted paths of keys joined by "+"; `option` is named in faults."""
+    try:
+        return tuple(whole_key(tree, key.strip(), folder) for key in text.split("+"))
+    except BadInput as error:
+        raise BadInput([f"{option} {line}" for line in error.faults]) from None
+
+
+def toml_value(text: str) -> Any:
+    """Return the TOML value of a text, or the text without quotes if it is not valid TOML."""
+    try:
+        return tomllib.loads(f"v = {text}")["v"]
+    except tomllib.TOMLDecodeError:
+        return text.strip().strip("\"'")
+
+
 def key_parts(tree: Tree, key: str, folder: Path) -> list[str]:
     """Return the parts of the dotted path of a key.
 

@@ -8,7 +8,6 @@ from ..participants.isolated import IsolatedParticipant
 from ..participants.open import open_fmu
 from ..participants.plugins import from_plugin
 from ..participants.table import TableParticipant
-from .ahead import missing_file
 from .contract import in_contract_units
 from .values import value_of
 
@@ -34,7 +33,11 @@ def open_participant(
         return TableParticipant(name, folder / table.table, table.interpolation or "linear")
     path = path_of_fmu(table, build, folder, progress, native, fmu_options)
     elements = case.elements_of(name)
-    options = {"step": _own_step(table), "elements": elements, "event_mode": table.event_mode}
+    options = {
+        "step": table.step and to_si(table.step, "s"),
+        "elements": elements,
+        "event_mode": table.event_mode,
+    }
     open_with = partial(open_fmu, name, path, **options)
     opened = open_with()
     if sizes := _sizes(opened, table.parameters):
@@ -48,11 +51,6 @@ def open_participant(
     elif not table.isolated:
         return opened
     return IsolatedParticipant(opened, timeout)
-
-
-def _own_step(table):
-    """Return the longest step of a participant inside a macro step [s], or None."""
-    return None if table.step is None else to_si(table.step, "s")
 
 
 def _sizes(participant, texts):
@@ -77,8 +75,6 @@ def path_of_fmu(table, build, folder, progress, native, fmu_options=None):
     """
     if table.package or table.file:
         return _built(table, build, folder, progress, native, fmu_options or {})
-    if fault := missing_file(table, folder):
-        raise BadInput(fault)
     return folder / table.fmu
 
 

@@ -29,7 +29,6 @@ from .times import record_interval
 from .values import parameter_values
 from .wires import (
     check_elements,
-    check_sources,
     conversions_of,
     converting,
     different_items,
@@ -74,44 +73,25 @@ def open_system(
     if faults := faults_ahead(case, folder):
         raise BadInput(faults)
     declared = ahead(case, folder)
-    finished = open_finished(case, folder, declared, faults, progress, own)
-    if faults:
-        raise BadInput(faults)
-    native, _ = (set(), []) if fmu_options else native_choice(case, folder, declared.parameters)
-    if case.native:
-        from ..fmi.builder_native import compile_ahead
-
-        needed = [case.participants[name].package for name in sorted(native)]
-        whole = [MASTER] if native == case.participants.keys() else []
-        compile_ahead([*whole, *needed], progress)
-    builds = build_options(case, folder, progress)
-    participants, tables = {}, case.participants
-    for name in tables:
-        with collecting(faults, f"participants.{name}."):
-            given_to = builds[name], folder, progress, name in native, [*participants.values()]
-            participants[name] = finished.get(name) or open_participant(
-                name, case, *given_to, fmu_options
-            )
-    if faults:
-        raise BadInput(faults)
+    builds, opened = _open_all(case, folder, declared, faults, progress, own, fmu_options)
     halves = half_films(case, folder, declared, builds, faults)
     parameters = {
-        name: parameter_values(one, {**halves.get(name, {}), **tables[name].parameters}, faults)
-        for name, one in participants.items()
+        name: parameter_values(
+            one, {**halves.get(name, {}), **case.participants[name].parameters}, faults
+        )
+        for name, one in opened.items()
     }
-    check_sources(case.wires, faults)
-    check_elements(case.wires, participants, faults)
-    give_types(case.wires, participants, faults)
-    opened = participants
-    joined = [wire_of(table, participants, case.coupling, faults) for table in case.wires]
+    check_elements(case.wires, opened, faults)
+    give_types(case.wires, opened, faults)
+    joined = [wire_of(table, opened, case.coupling, faults) for table in case.wires]
     wires = [_mirrored(wire, halves) for wire in joined if isinstance(wire, Wire)]
-    reals = [table for table in case.wires if is_real(table, participants)]
-    of_clocks = {port_of(t.target) for t in case.wires if is_clock(t.target, participants)}
+    reals = [table for table in case.wires if is_real(table, opened)]
+    of_clocks = {port_of(t.target) for t in case.wires if is_clock(t.target, opened)}
     handed = [wire for wire in joined if isinstance(wire, HeldWire)]
     uniterated = [wire for wire in handed if wire.target not in of_clocks]
-    conversions = {} if faults else conversions_of(reals, participants)
+    conversions = {} if faults else conversions_of(reals, opened)
     in_units_of_wires(parameters, conversions)
-    participants = with_one_way(case, converting(participants, conversions), faults)
+    participants = with_one_way(case, converting(opened, conversions), faults)
     participants = interpolating(case, participants, {wire.target for wire in wires}, faults)
     with collecting(faults):
         conjugates(wires, case.wires)
@@ -146,6 +126,37 @@ def open_system(
         trusted=frozenset(name for name, table in case.participants.items() if table.rollback),
         limits=_limits(case, participants),
     )
+
+
+def _open_all(case, folder, declared, faults, progress, own, fmu_options):
+    """Return the build options and the participants by name, as `open_system`."""
+    finished = open_finished(case, folder, declared, faults, progress, own)
+    if faults:
+        raise BadInput(faults)
+    native, _ = (set(), []) if fmu_options else native_choice(case, folder, declared.parameters)
+    if case.native:
+        from ..fmi.builder_native import compile_ahead
+
+        packages = [case.participants[name].package for name in sorted(native)]
+        coupled = [MASTER] if native == case.participants.keys() else []
+        compile_ahead([*coupled, *packages], progress)
+    builds = build_options(case, folder, progress)
+    participants = {}
+    for name in case.participants:
+        with collecting(faults, f"participants.{name}."):
+            participants[name] = finished.get(name) or open_participant(
+                name,
+                case,
+                builds[name],
+                folder,
+                progress,
+                native=name in native,
+                earlier=[*participants.values()],
+                fmu_options=fmu_options,
+            )
+    if faults:
+        raise BadInput(faults)
+    return builds, participants
 
 
 def _give_step(participants, step):
@@ -193,8 +204,11 @@ def open_finished(
         if make is None and (table.package or table.file):
             continue
         with collecting(faults, f"participants.{name}."):
-            given_to = {}, folder, progress, False, [*opened.values()]
-            opened[name] = make() if make else open_participant(name, case, *given_to)
+            opened[name] = (
+                make()
+                if make
+                else open_participant(name, case, {}, folder, progress, earlier=[*opened.values()])
+            )
             if table.fmu and table.role in contract():
                 faults += [
                     f"participants.{name}.{line}" for line in unable_to_iterate(opened[name])

@@ -1,7 +1,6 @@
 """Functions of several commands: read options, resolve variants, open results, print."""
 
 import json
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -11,13 +10,12 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from ..case.changes import changes_of_variant, value_at
+from ..case.changes import changes_of_variant, toml_value, value_at
 from ..case.checked import check_case
 from ..case.contract import players
 from ..case.reading import case_names, find_case, name_of_case, read_tree
 from ..case.tables import titles
 from ..fmi.errors import BadInput, for_all
-from ..fmi.quantities import to_si
 from ..fmi.tree import import_part
 from ..runs.working import working
 from .usage import new_file, new_folder, picture_file, positive, whole
@@ -70,10 +68,7 @@ def parse_change(text):
     key, sign, value = text.partition("=")
     if not sign or not key:
         raise BadInput(f"--set: expected KEY=VALUE, got {text!r}")
-    try:
-        return key.strip(), tomllib.loads(f"v = {value}")["v"]
-    except tomllib.TOMLDecodeError:
-        return key.strip(), value.strip().strip("\"'")
+    return key.strip(), toml_value(value)
 
 
 def parse_changes(texts):
@@ -138,17 +133,6 @@ def changed_case(name, texts, only, output, purpose):
         changes = [*changes_of_variant(read_tree(path), only).items(), *changes]
     folder = output or Path("results") / f"{purpose}_{name_of_case(path)}"
     return path, changes, folder.absolute()
-
-
-def length_of(option, text):
-    """Return a positive length [m] of an option."""
-    try:
-        length = to_si(text, "m")
-    except ValueError as error:
-        raise BadInput(f"{option}: {error}") from None
-    if not length > 0.0:
-        raise BadInput(f"{option}: expected a length above 0, got {text!r}")
-    return length
 
 
 def warn_of_estimates(trees, folder):

@@ -15,6 +15,7 @@ from ..case.reading import read_tree
 from ..engine.measures import directions
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, for_all
+from ..fmi.quantities import positive_si
 from ..results.words import entry_in_words, words_and_unit
 from ..runs.design_space import ANGLES, DesignSpace, range_of, shapes_of, start_of
 from ..runs.optimisation import LIMIT_TOLERANCE, Search, Task, known_figure, limit_of, optimise
@@ -27,7 +28,6 @@ from .common import (
     Whole,
     Workers,
     changed_case,
-    length_of,
     parse_change,
     print_compared,
     print_line,
@@ -110,7 +110,7 @@ def command(
     ranges = for_all(lambda text: range_of(tree, text, path.parent, "--vary"), vary)
     skirt = None
     if shapes:
-        height = length_of("--amplitude", amplitude)
+        height = positive_si("--amplitude", amplitude, "m")
         skirt = shapes_of(checked, tree, shapes, height, folder / "shapes")
     space = DesignSpace(tuple(number for number, *_ in ranges), skirt)
     for_all(

@@ -9,7 +9,7 @@ from ..case.checked import check_case
 from ..case.reading import read_tree
 from ..engine.measures import directions
 from ..fmi.errors import BadInput, for_all
-from ..fmi.quantities import numbers_text
+from ..fmi.quantities import numbers_text, positive_si
 from ..results.words import entry_shown, words_and_unit
 from ..runs.design_space import ANGLES, DesignSpace, number_of, shapes_of
 from ..runs.pool import LocalPool
@@ -20,7 +20,6 @@ from .common import (
     OutputFolder,
     Workers,
     changed_case,
-    length_of,
     print_line,
     say,
     wide_console,
@@ -77,7 +76,7 @@ def command(
     numbers = for_all(lambda text: number_of(tree, text, path.parent, "--by"), by)
     skirt = None
     if shapes:
-        height = length_of("--amplitude", amplitude)
+        height = positive_si("--amplitude", amplitude, "m")
         skirt = shapes_of(checked, tree, shapes, height, folder / "shapes")
     space = DesignSpace(tuple(numbers), skirt)
 

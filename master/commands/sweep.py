@@ -10,7 +10,7 @@ from ..case.checked import check_case
 from ..case.reading import read_tree
 from ..engine.measures import directions
 from ..fmi.errors import BadInput, for_all
-from ..fmi.quantities import duration
+from ..fmi.quantities import positive_si
 from ..runs import sweep as sweeps
 from ..runs.pool import LocalPool
 from ..runs.working import working
@@ -84,7 +84,9 @@ def command(
     time_limit
         Maximum time per point, e.g. "20 min". Local processes only.
     """
-    limit = _seconds(time_limit, dask)
+    if dask and time_limit:
+        raise BadInput("--time-limit: expected nothing with --dask, got a time")
+    limit = positive_si("--time-limit", time_limit, "s") if time_limit else None
     if dask and not dask.startswith("tls://"):
         say(f"warning: --dask {dask}: no TLS, everyone who reaches it can run code; use tls://")
     path, changes, folder = changed_case(case, set_, only, output, "sweep")
@@ -155,12 +157,3 @@ def _page(path, points, rows, axes, wanted, table, reports, sentence):
         swept.append(SweptPoint(row, link))
     varied = [axis.name for axis in axes]
     return write_sweep_page(swept, varied, wanted, table.with_suffix(".html"), sentence)
-
-
-def _seconds(time_limit, dask):
-    """Return the time limit [s], or None."""
-    if time_limit is None:
-        return None
-    if dask:
-        raise BadInput("--time-limit: expected nothing with --dask, got a time")
-    return duration("--time-limit", time_limit)

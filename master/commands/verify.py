@@ -10,8 +10,8 @@ from ..fmi.errors import BadInput, unknown
 from .common import OutputFile, console, say
 
 IMPORTERS = "importers"
-MEASURED = "measured"
-OPTIONAL_PARTS = (IMPORTERS, MEASURED)
+LITERATURE = "literature"
+OPTIONAL_PARTS = (IMPORTERS, LITERATURE)
 """Parts that do not run by default."""
 
 
@@ -31,8 +31,8 @@ def command(
     ----------
     parts
         ehd, mfbd, master or coupled; default: all four. The part importers runs the engine FMU in
-        each installed FMI importer and compares it with a run. The part measured compares bearings
-        with experiments and published studies, without a tolerance.
+        each installed FMI importer and compares it with a run. The part literature compares
+        bearings with experiments and published studies, without a tolerance.
     all_
         Include the slow studies, which take minutes.
     output
@@ -50,7 +50,7 @@ def command(
     failed = verify(figures, all_, wide, output) if figures else 0
     if IMPORTERS in parts:
         failed += verify_importers(wide, say)
-    if MEASURED in parts:
+    if LITERATURE in parts:
         verify_measured(wide, None if figures else output)
     if failed:
         sys.exit(1)

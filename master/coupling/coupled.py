@@ -77,7 +77,10 @@ class Options:
                 Variable(**entry | {key: tuple(entry[key]) for key in ("shape", "choices")})
                 for entry in tree["variables"]
             ),
-            *(_read_ports(tree[causality]) for causality in ("parameter", "input", "output")),
+            *(
+                {name: (owner, variable) for name, (owner, variable) in tree[causality].items()}
+                for causality in ("parameter", "input", "output")
+            ),
             limits=tuple((owner, name) for owner, name in tree["limits"]),
         )
 
@@ -85,10 +88,6 @@ class Options:
 def _read_wire(entry: Mapping[str, Any]) -> Wire:
     tuples: dict[str, Any] = {key: tuple(entry[key]) for key in ("source", "target", "shape")}
     return Wire(**{**entry, **tuples})
-
-
-def _read_ports(entries: Mapping[str, Any]) -> dict[str, Port]:
-    return {name: (owner, variable) for name, (owner, variable) in entries.items()}
 
 
 def _size(variable: Variable, value: Any) -> float:

@@ -237,19 +237,19 @@ def base_unit(unit: str) -> dict[str, str]:
     return powers if base.magnitude == 1.0 else {"factor": repr(base.magnitude)} | powers
 
 
-def duration(name: str, text: str) -> float:
-    """Return a positive time in seconds; raise `BadInput` with `name` if it is not.
+def positive_si(name: str, text: str, unit: str) -> float:
+    """Convert a quantity above 0 to SI; raise `BadInput` with `name` for others.
 
-    >>> duration("time.stop", "20 ms")
+    >>> positive_si("--time-limit", "20 ms", "s")
     0.02
     """
     try:
-        seconds = to_si(text, "s")
+        value = to_si(text, unit)
     except ValueError as error:
         raise BadInput(f"{name}: {error}") from None
-    if not seconds > 0:
-        raise BadInput(f"{name}: expected a positive time, got {text!r}")
-    return seconds
+    if not value > 0.0:
+        raise BadInput(f"{name}: expected a value above 0 {unit}, got {text!r}")
+    return value
 
 
 def is_angle(text: str) -> bool:
@@ -328,6 +328,11 @@ def short(value: float, unit: str, digits: int = 3) -> str:
 def one_micro(text: str) -> str:
     """Replace the Greek letter mu, which newer versions of pint write, by the micro sign."""
     return text.replace("\N{GREEK SMALL LETTER MU}", "\N{MICRO SIGN}")
+
+
+def unit_text(units: Any) -> str:
+    """Return units of pint as a case file writes them, with u for micro."""
+    return one_micro(f"{units:~}").replace("\N{MICRO SIGN}", "u")
 
 
 TWO_DIGITS = 3.55

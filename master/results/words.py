@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..fmi.quantities import from_si, one_micro, registry
+from ..fmi.quantities import from_si, registry, unit_text
 
 WITH_PREFIX = ("m", "Pa", "N", "W", "J", "s", "m/s")
 """SI units that are shown with a prefix by default."""
@@ -85,8 +85,7 @@ def handy_unit(unit: str, largest: float) -> str | None:
     """Return the prefixed unit that suits a value in the SI `unit`, None if that is as good."""
     if unit not in WITH_PREFIX or not np.isfinite(largest) or largest == 0.0:
         return None
-    compact = registry().Quantity(float(abs(largest)), unit).to_compact()
-    return one_micro(f"{compact.units:~}").replace("\N{MICRO SIGN}", "u")
+    return unit_text(registry().Quantity(float(abs(largest)), unit).to_compact().units)
 
 
 def name_of(port: str) -> str:

@@ -21,14 +21,14 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import BSpline
 
-from ..case.changes import change, value_at, whole_key
+from ..case.changes import change, value_at, whole_keys
 from ..case.contract import players
 from ..case.keys import key_at
 from ..case.schema import Case
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, for_all
 from ..fmi.option_classes import Key
-from ..fmi.quantities import are_compatible, one_micro, quantity, registry, to_si
+from ..fmi.quantities import are_compatible, quantity, registry, to_si, unit_text
 
 Changes = list[tuple[str, Any]]
 """Pairs of a dotted key of a case and its value."""
@@ -137,7 +137,7 @@ def number_of(tree: dict[str, Any], text: str, folder: Path, option: str) -> Num
         For an unknown key, a value that is no number, and a step of another unit or of zero.
     """
     name, sign, step = text.partition("=")
-    keys = keys_of(tree, name, folder, option)
+    keys = whole_keys(tree, name, folder, option)
     known = _common_value(tree, keys, folder, option)
     scale = 0.02 * abs(known.magnitude)
     if sign:
@@ -158,14 +158,6 @@ def number_of(tree: dict[str, Any], text: str, folder: Path, option: str) -> Num
     )
 
 
-def keys_of(tree: dict[str, Any], name: str, folder: Path, option: str) -> tuple[str, ...]:
-    """Return the dotted paths of keys joined by "+"."""
-    try:
-        return tuple(whole_key(tree, key.strip(), folder) for key in name.split("+"))
-    except BadInput as error:
-        raise BadInput([f"{option} {line}" for line in error.faults]) from None
-
-
 def range_of(
     tree: dict[str, Any], text: str, folder: Path, option: str
 ) -> tuple[Number, float, float]:
@@ -180,7 +172,7 @@ def range_of(
     low, dots, high = rest.partition("..")
     if not (sign and dots):
         raise BadInput(f"{option}: expected KEY=LOW..HIGH, got {text!r}")
-    keys = keys_of(tree, name, folder, option)
+    keys = whole_keys(tree, name, folder, option)
     known = _common_value(tree, keys, folder, option)
     ends = [in_units_of(known, end, f"{option} {name.strip()}") for end in (low, high)]
     if not ends[0] <= known.magnitude <= ends[1] or ends[0] == ends[1]:
@@ -243,8 +235,7 @@ def in_units_of(known: Any, text: str, where: str, is_difference: bool = False) 
 
 
 def _unit_of(known: Any) -> str:
-    text = one_micro(f"{known.units:~}").replace("\N{MICRO SIGN}", "u")
-    return text.replace(" * ", " ")
+    return unit_text(known.units).replace(" * ", " ")
 
 
 def _common_value(tree: dict[str, Any], keys: Sequence[str], folder: Path, option: str) -> Any:

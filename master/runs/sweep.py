@@ -8,7 +8,6 @@ import hashlib
 import io
 import itertools
 import json
-import tomllib
 from collections.abc import Callable
 from concurrent.futures import as_completed
 from dataclasses import dataclass
@@ -17,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from ..case.changes import whole_key
+from ..case.changes import toml_value, whole_keys
 from ..case.checked import check_case
 from ..case.given import build_options
 from ..case.reading import read_tree
 from ..case.tables import with_effect
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, Stopped, for_all
-from ..fmi.quantities import are_compatible, one_micro, quantity
+from ..fmi.quantities import are_compatible, quantity, unit_text
 from .lock import sole_writer
 from .recorder import writing
 
@@ -60,24 +59,10 @@ def parse_axis(text, tree, folder=Path()):
     name, sign, rest = text.partition("=")
     if not sign or not rest:
         raise BadInput(f"--vary: expected {AXIS_FORMS}, got {text!r}")
-    try:
-        keys = tuple(whole_key(tree, key.strip(), folder) for key in name.split("+"))
-    except BadInput as error:
-        raise BadInput([f"--vary {line}" for line in error.faults]) from None
-    values = (
-        _range_values(text, rest)
-        if ".." in rest
-        else tuple(_toml_value(part) for part in rest.split(";"))
-    )
+    keys = whole_keys(tree, name, folder, "--vary")
+    is_range = ".." in rest
+    values = _range_values(text, rest) if is_range else tuple(map(toml_value, rest.split(";")))
     return Axis(name.strip(), keys, values)
-
-
-def _toml_value(text):
-    """Return the TOML value of a text, or the text itself if it is not valid TOML."""
-    try:
-        return tomllib.loads(f"v = {text}")["v"]
-    except tomllib.TOMLDecodeError:
-        return text.strip()
 
 
 def _range_values(text, rest):
@@ -97,8 +82,7 @@ def _range_values(text, rest):
         raise BadInput(
             f"--vary: expected {AXIS_FORMS}, got {text!r}; give both ends in units of one kind"
         ) from None
-    unit = one_micro(f"{first.units:~}").replace("\N{MICRO SIGN}", "u")
-    return tuple(f"{value:.10g} {unit}".strip() for value in points)
+    return tuple(f"{value:.10g} {unit_text(first.units)}".strip() for value in points)
 
 
 @dataclass(frozen=True)

@@ -170,12 +170,6 @@ def test_a_state_that_is_not_restored_is_reported_before_anything_is_written(tmp
     assert "explicit   good, bad  (bad cannot restore a saved state)" in done.stdout
 
 
-def test_a_timeout_that_is_none_is_bad_input(tmp_path):
-    for timeout, words in (("5 kg", "timeout"), ("-1 s", "timeout: expected a positive time")):
-        done = run(tmp_path, "", isolated=True, changes=[f"participants.bad.timeout={timeout}"])
-        assert done.returncode == 2 and words in done.stderr
-
-
 def test_fault_before_the_first_checkpoint_says_so(tmp_path):
     (tmp_path / "base.h5.checkpoint").write_bytes(b"of an older run")
     done = run(tmp_path, "exception", changes=["participants.bad.parameters.at=0.1 s"])

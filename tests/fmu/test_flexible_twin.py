@@ -1,18 +1,14 @@
-"""Two cylinders in one flexible block, built as FMUs: momentum and work, a run cut in two."""
+"""Two cylinders in one flexible block, built as FMUs: momentum and work."""
 
 from functools import cache
 
 import numpy as np
-import pytest
 
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ReducedMonoblock, load
 from piston_cosim.master.case.reading import read_tree
 from piston_cosim.master.fmi.builder import import_part
 
-from .runs import run_tree, stopped
 from .shipped import FLEXIBLE_TWIN as PATH
-from .shipped import flexible_twin
-from .test_resume import compare
 
 NAMES = ("front", "rear")
 
@@ -59,13 +55,3 @@ def test_momentum_of_the_block(results_of):
     impulse = step * (force[1:] + force[:-1]) / 2
     impulse[0] = step[0] * force[1] / 2  # forces begin to act in the first step
     np.testing.assert_allclose(np.diff(momentum), impulse, atol=1e-8 * np.abs(impulse).max())
-
-
-@pytest.mark.slow
-def test_a_run_that_was_stopped_goes_on_with_the_same_bits(results_of, tmp_path):
-    """With five participants, stopped in the middle."""
-    tree, output = flexible_twin("24 deg"), tmp_path / "run.h5"
-    tree["record"] |= {"checkpoint_every": 2}
-    kept = stopped(PATH, tree, output, 1.2e-3)
-    run_tree(PATH, tree, output, begin_at=kept)
-    assert compare(results_of("flexible_twin").path, output) == []

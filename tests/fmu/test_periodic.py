@@ -53,19 +53,6 @@ def test_equal_to_plain_cycles_in_fewer(runs):
         assert apart <= 2 * TOLERANCE
 
 
-def test_results_are_on_one_cycle(runs):
-    """Results are from -360 to 360 deg, whatever the number of the cycle.
-
-    The case starts at -360 deg. Rows between whole steps come from steps halved at an impact.
-    """
-    _, (_, periodic) = runs
-    angle = np.degrees(periodic.series("bodies.crank_angle").values)
-    whole = np.linspace(-360, 360, 121)
-    assert angle[np.abs(angle[:, None] - whole).argmin(axis=0)] == pytest.approx(whole, abs=1e-6)
-    assert np.diff(angle).min() > 0.0 and len(angle) < 130
-    assert periodic.time == pytest.approx(np.radians(angle + 360) / (1680 * np.pi / 30), abs=1e-9)
-
-
 def test_more_periods_change_the_numbers_by_less_than_a_hundredth(runs):
     """The remaining change is a share of the last one.
 

@@ -16,16 +16,6 @@ __all__ = ["folder"]
 # types ----------------------------------------------------------------------------------------
 
 
-def test_in_a_chain_all_types_arrive_in_the_same_step():
-    out = 'm->r[1]=m->t;m->i[1]=m->steps;m->b[1]=m->steps%2;sprintf(m->s[1],"t=%d",m->steps)'
-    echo = "m->r[1]=m->r[0];m->i[1]=m->i[0];m->b[1]=m->b[0];memcpy(m->s[1],m->s[0],80)"
-    wires = [f"a.y{kind} -> b.u{kind}" for kind in ("", "i", "b", "s")]
-    results = run({"a": fmu("a", TYPED, OUT=out), "b": fmu("b", TYPED, OUT=echo)}, wires)
-    for kind in ("", "i", "b", "s"):
-        both = [results.series(f"{name}.y{kind}").values.tolist() for name in "ab"]
-        assert both[0] == both[1]
-
-
 @pytest.mark.parametrize("isolated", [False, True])
 def test_a_boolean_other_than_0_is_1(isolated):
     a = fmu("a", [Variable("yb", 201, "output", "Boolean")], OUT="m->b[1]=255")
@@ -270,7 +260,7 @@ KINDS = (
         ("A", "A", 2.0),  # named, but not defined
         ("furlong", "furlong", 2.0),
         ("furlong", "m", 402.336),
-        ("m", "s", "expected units of one kind, got m and s"),
+        ("m", "s", "expected units of one kind, got m and s; in base units m1 and s1"),
         ("%", "1", 0.02),
         ("rpm", "rad/s", "expected units of one kind, got rpm and rad/s"),
     ],

@@ -34,22 +34,6 @@ def test_steps_begin_where_the_last_one_ended():
     assert last(results, "a.y") <= ulp(10.0) and last(results, "a.change") <= 2 * ulp(10.0)
 
 
-def test_a_fixed_step_stays_fixed():
-    a = fmu("a", varies=False, STEP="m->r[1]=t+H")
-    assert last(run({"a": a}, step="0.25 s"), "a.y") == 1.0
-    assert {length for _, length in calls("step")} == {"0.25"}
-    assert "expected a multiple of time.step = 0.3 s" in refused({"a": a}, step="0.3 s")
-
-
-def test_a_fixed_step_is_not_halved():
-    part = "m->r[1]=m->r[0]+(t>0.45&&t<0.55?1e9:1)*0.1*m->r[0]*m->r[0]+1"
-    variables = [real("u", 0, "input"), Y]
-    a = fmu("a", variables, varies=False, STEP=part)
-    b = fmu("b", variables, STEP="m->r[1]=-0.5*m->r[0]")
-    with pytest.raises(pc.StepFailed, match="expected a multiple of 0.1 s, got a step of"):
-        run({"a": a, "b": b}, ["a.y -> b.u", "b.y -> a.u"])
-
-
 def test_a_run_that_starts_later():
     a = fmu("a", [Y, real("begin", 2), real("end", 3)], OUT="m->r[2]=m->start;m->r[3]=m->stop")
     results = run({"a": a}, stop="12 s", step="0.5 s", changes={"time.start": "10 s"})
@@ -126,23 +110,6 @@ def test_an_fmu_without_resources_has_their_uri():
 # events ---------------------------------------------------------------------------------------
 
 EVENTS = 'hasEventMode="true" mightReturnEarlyFromDoStep="true"'
-COUNTED = [Y, integer("n", 101)]
-
-
-def test_an_event_inside_a_step():
-    early = "if(t<0.33&&t+H>0.33){*last=0.33;*event=*early=true;}"
-    slope = "m->r[1]+=t<0.329?(t+H>0.33?0.33-t:H):2*H"
-    a = fmu("a", COUNTED, "3.0", flags=EVENTS, DOSTEP=early, STEP=slope, UPDATE="m->i[1]++")
-    # slope 1 up to the event, then 2: 0.33 + 2 x 0.67
-    assert last(run({"a": a}), "a.y", "a.n") == pytest.approx([1.67, 2], rel=1e-14)
-
-
-def test_a_step_ends_at_an_announced_event():
-    next_one = "*announced=m->t<0.35;*next=0.35;if(fabs(m->t-0.35)<1e-9)m->i[1]=1"
-    a = fmu("a", COUNTED, "3.0", flags='hasEventMode="true"', UPDATE=next_one)
-    assert last(run({"a": a}), "a.n") == 1
-    spans = [(float(t), float(t) + float(length)) for t, length in calls("step")]
-    assert not any(begin < 0.35 - 1e-9 and end > 0.35 + 1e-9 for begin, end in spans)
 
 
 def test_an_fmu_that_ends_the_simulation_at_an_event_between_steps():
@@ -254,25 +221,6 @@ def test_a_warning_without_a_text_is_counted():
     ]
 
 
-@pytest.mark.parametrize("noisy", ["a", "b", "c"])
-def test_a_loop_of_an_fmu_that_restores_its_state_with_noise_is_iterated(noisy):
-    """x = 1 - 3 x by iteration; without it the loop diverges.
-
-    At the start all values are 0. The noise is a share of the output, so that only the values of
-    a step show it.
-    """
-    variables = [real("u", 0, "input"), Y]
-    share = {name: "*(1+1e-5*(restored%5))" * (name == noisy) for name in "abc"}
-    answers = {"a": "(-3*m->r[0])", "b": "(1+m->r[0])", "c": "m->r[0]"}
-    participants = {
-        name: fmu(name, variables, STEP=f"m->r[1]={answer}{share[name]}")
-        for name, answer in answers.items()
-    }
-    results = run(participants, ["a.y -> b.u", "b.y -> c.u", "c.y -> a.u"])
-    # a residual r of ten times the noise, up to 4e-5 of 1, and y = 1/4 + 3/4 r
-    assert last(results, "c.y") == pytest.approx(0.25, abs=0.75 * 4e-4)
-
-
 # values between FMUs --------------------------------------------------------------------------
 
 
@@ -291,18 +239,6 @@ def test_an_output_that_is_not_finite_at_the_start_is_a_warning(caplog):
     results = run({"a": a})
     words = "a.y: at the start, 1 time: expected a finite output, got inf"
     assert results.summary["warnings"] == [words] and last(results, "a.y") == pytest.approx(1.0)
-
-
-def test_a_boolean_loop_that_never_settles_is_held_named_and_counted(caplog):
-    """a = not b, b = a: each of 10 steps holds b at its beginning."""
-    a = fmu("a", [TYPED[2], TYPED[6]], STEP="m->b[1]=!m->b[0]")
-    b = fmu("b", [TYPED[2], TYPED[6]], STEP="m->b[1]=m->b[0]")
-    results = run({"a": a, "b": b}, ["a.yb -> b.ub", "b.yb -> a.ub"])
-    assert results.summary["unsettled_steps"] == 10
-    assert "WARNING" in caplog.text and "wire b.yb -> a.ub: t = 0 s, 10 times: " in caplog.text
-    assert results.series("a.yb").values.tolist() == [0] + 5 * [1, 0]
-    (line,) = results.summary["warnings"]
-    assert line.startswith("wire b.yb -> a.ub: t = 0 s, 10 times: expected a value that settles")
 
 
 @pytest.mark.parametrize("parallel", [False, True])

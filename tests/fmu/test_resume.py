@@ -64,13 +64,3 @@ def goes_on(words, folder, name, whole, kind=signal.SIGKILL, code=-signal.SIGKIL
 )
 def test_interrupted_and_resumed_equals_uninterrupted(whole, tmp_path, kind, code):
     goes_on(WORDS, tmp_path, "rigid", whole, kind, code)
-
-
-def test_no_checkpoint_is_bad_input(tmp_path):
-    (tmp_path / "x.h5.checkpoint").write_bytes(b"nonsense")
-    for path in (
-        *map(tmp_path.joinpath, ("x.h5.checkpoint", "missing.h5.checkpoint", "x.h5")),
-        ".",
-    ):
-        done = call("resume", path)
-        assert done.returncode == 2, done.stderr

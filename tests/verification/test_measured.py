@@ -1,4 +1,4 @@
-"""Bearings of published studies: rows of `piston-cosim verify measured`."""
+"""Bearings of published studies: rows of `piston-cosim verify literature`."""
 
 import re
 
