@@ -122,7 +122,7 @@ def variant_trees(path, changes, only, say=lambda text: None):
 
 
 def changed_case(name, texts, only, output, purpose):
-    """Return the path of a case, its changes by --only and --set, and the folder of the output.
+    """Return the path of a case, its changes by --only and --set, its tree, and the output folder.
 
     Default of the folder: results/PURPOSE_CASE.
     """
@@ -132,7 +132,7 @@ def changed_case(name, texts, only, output, purpose):
         variant_trees(path, changes, only, say)
         changes = [*changes_of_variant(read_tree(path), only).items(), *changes]
     folder = output or Path("results") / f"{purpose}_{name_of_case(path)}"
-    return path, changes, folder.absolute()
+    return path, changes, read_tree(path, changes), folder.absolute()
 
 
 def warn_of_estimates(trees, folder):
