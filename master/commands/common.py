@@ -18,7 +18,7 @@ from ..case.tables import titles
 from ..fmi.errors import BadInput, for_all
 from ..fmi.tree import import_part
 from ..runs.working import working
-from .usage import new_file, new_folder, picture_file, positive, whole
+from .usage import new_file, new_folder, positive, whole, with_suffix
 
 console = Console()
 
@@ -28,7 +28,8 @@ Whole = Annotated[int, Parameter(converter=whole)]
 Workers = Annotated[Whole, Parameter(validator=positive)]
 Moment = Annotated[str, Parameter(allow_leading_hyphen=True)]
 """Time, crank angle or extreme of a run."""
-PictureFile = Annotated[Path, Parameter(validator=(picture_file, new_file))]
+PictureFile = Annotated[Path, Parameter(validator=(with_suffix(".png", ".svg", ".pdf"), new_file))]
+CsvFile = Annotated[Path, Parameter(validator=(new_file, with_suffix(".csv")))]
 OutputFolder = Annotated[Path, Parameter(validator=new_folder)]
 Format = Literal["png", "svg", "pdf"]
 """Type of pictures."""
