@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from ..case.reading import read_tree
 from ..fmi.errors import for_all
 from ..fmi.quantities import numbers_text
 from ..results.compare import deviations, have_bands, read_measured
@@ -56,8 +55,7 @@ def command(
     workers
         Number of processes. Default: the number of processors.
     """
-    path, changes, folder = changed_case(case, set_, only, output, "calibrate")
-    tree = read_tree(path, changes)
+    path, _, tree, folder = changed_case(case, set_, only, output, "calibrate")
     columns = read_measured(measured)
     ranges = for_all(lambda text: range_of(tree, text, path.parent, "--vary"), vary)
     numbers = [number for number, *_ in ranges]

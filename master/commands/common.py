@@ -18,7 +18,7 @@ from ..case.tables import titles
 from ..fmi.errors import BadInput, for_all
 from ..fmi.tree import import_part
 from ..runs.working import working
-from .usage import new_file, new_folder, picture_file, positive, whole
+from .usage import new_file, new_folder, positive, whole, with_suffix
 
 console = Console()
 
@@ -28,7 +28,8 @@ Whole = Annotated[int, Parameter(converter=whole)]
 Workers = Annotated[Whole, Parameter(validator=positive)]
 Moment = Annotated[str, Parameter(allow_leading_hyphen=True)]
 """Time, crank angle or extreme of a run."""
-PictureFile = Annotated[Path, Parameter(validator=(picture_file, new_file))]
+PictureFile = Annotated[Path, Parameter(validator=(with_suffix(".png", ".svg", ".pdf"), new_file))]
+CsvFile = Annotated[Path, Parameter(validator=(new_file, with_suffix(".csv")))]
 OutputFolder = Annotated[Path, Parameter(validator=new_folder)]
 Format = Literal["png", "svg", "pdf"]
 """Type of pictures."""
@@ -122,7 +123,7 @@ def variant_trees(path, changes, only, say=lambda text: None):
 
 
 def changed_case(name, texts, only, output, purpose):
-    """Return the path of a case, its changes by --only and --set, and the folder of the output.
+    """Return the path of a case, its changes by --only and --set, its tree, and the output folder.
 
     Default of the folder: results/PURPOSE_CASE.
     """
@@ -132,7 +133,7 @@ def changed_case(name, texts, only, output, purpose):
         variant_trees(path, changes, only, say)
         changes = [*changes_of_variant(read_tree(path), only).items(), *changes]
     folder = output or Path("results") / f"{purpose}_{name_of_case(path)}"
-    return path, changes, folder.absolute()
+    return path, changes, read_tree(path, changes), folder.absolute()
 
 
 def warn_of_estimates(trees, folder):

@@ -11,11 +11,9 @@ from cyclopts import Parameter
 
 from ..case.changes import whole_key
 from ..case.checked import check_case
-from ..case.reading import read_tree
 from ..engine.measures import directions
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, for_all
-from ..fmi.quantities import positive_si
 from ..results.words import entry_in_words, words_and_unit
 from ..runs.design_space import ANGLES, DesignSpace, range_of, shapes_of, start_of
 from ..runs.optimisation import LIMIT_TOLERANCE, Search, Task, known_figure, limit_of, optimise
@@ -98,8 +96,7 @@ def command(
     workers
         Number of processes. Default: the number of processors.
     """
-    path, changes, folder = changed_case(case, set_, only, output, "optimise")
-    tree = read_tree(path, changes)
+    path, _, tree, folder = changed_case(case, set_, only, output, "optimise")
     if not vary and not shapes:
         raise BadInput("--vary: expected at least one KEY=LOW..HIGH, or --shapes")
     checked = check_case(tree, path)
@@ -108,10 +105,7 @@ def command(
     limits = for_all(lambda text: limit_of(text, ways), limit)
     points = for_all(_point, at) or [[]]
     ranges = for_all(lambda text: range_of(tree, text, path.parent, "--vary"), vary)
-    skirt = None
-    if shapes:
-        height = positive_si("--amplitude", amplitude, "m")
-        skirt = shapes_of(checked, tree, shapes, height, folder / "shapes")
+    skirt = shapes_of(checked, tree, shapes, amplitude, folder / "shapes") if shapes else None
     space = DesignSpace(tuple(number for number, *_ in ranges), skirt)
     for_all(
         lambda key: _check_point(tree, key, path.parent, space), [k for p in points for k, _ in p]

@@ -6,10 +6,9 @@ import sys
 from rich.table import Table
 
 from ..case.checked import check_case
-from ..case.reading import read_tree
 from ..engine.measures import directions
 from ..fmi.errors import BadInput, for_all
-from ..fmi.quantities import numbers_text, positive_si
+from ..fmi.quantities import numbers_text
 from ..results.words import entry_shown, words_and_unit
 from ..runs.design_space import ANGLES, DesignSpace, number_of, shapes_of
 from ..runs.pool import LocalPool
@@ -68,16 +67,12 @@ def command(
     workers
         Number of processes. Default: the number of processors.
     """
-    path, changes, folder = changed_case(case, set_, only, output, "sensitivities")
-    tree = read_tree(path, changes)
+    path, _, tree, folder = changed_case(case, set_, only, output, "sensitivities")
     if not by and not shapes:
         raise BadInput("--by: expected at least one KEY, or --shapes")
     checked = check_case(tree, path)
     numbers = for_all(lambda text: number_of(tree, text, path.parent, "--by"), by)
-    skirt = None
-    if shapes:
-        height = positive_si("--amplitude", amplitude, "m")
-        skirt = shapes_of(checked, tree, shapes, height, folder / "shapes")
+    skirt = shapes_of(checked, tree, shapes, amplitude, folder / "shapes") if shapes else None
     space = DesignSpace(tuple(numbers), skirt)
 
     def watch(done, total, row):

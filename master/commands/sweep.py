@@ -7,7 +7,6 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..case.checked import check_case
-from ..case.reading import read_tree
 from ..engine.measures import directions
 from ..fmi.errors import BadInput, for_all
 from ..fmi.quantities import positive_si
@@ -89,8 +88,7 @@ def command(
     limit = positive_si("--time-limit", time_limit, "s") if time_limit else None
     if dask and not dask.startswith("tls://"):
         say(f"warning: --dask {dask}: no TLS, everyone who reaches it can run code; use tls://")
-    path, changes, folder = changed_case(case, set_, only, output, "sweep")
-    tree = read_tree(path, changes)
+    path, changes, tree, folder = changed_case(case, set_, only, output, "sweep")
     axes = for_all(lambda text: sweeps.parse_axis(text, tree, path.parent), vary)
     varied = [key for axis in axes for key in axis.keys]
     for key in sorted({one for one in varied if varied.count(one) > 1}):

@@ -1,7 +1,7 @@
 """Faults of a call: errors of the command line, files and folders, as one sentence each."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -94,14 +94,14 @@ def new_file(_type: Any, path: Path | None) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
 
 
-PICTURES = (".png", ".svg", ".pdf")
-"""Suffixes of pictures."""
+def with_suffix(*suffixes: str) -> Callable[[Any, Path | None], None]:
+    """Return a validator of options that raises `ValueError` for files with other suffixes."""
 
+    def check(_type: Any, path: Path | None) -> None:
+        if path is not None and path.suffix not in suffixes:
+            raise ValueError(f"expected a file {', '.join(suffixes)}, got {str(path)!r}")
 
-def picture_file(_type: Any, path: Path | None) -> None:
-    """Raise `ValueError` unless the suffix of `path` is that of a picture; a validator."""
-    if path is not None and path.suffix not in PICTURES:
-        raise ValueError(f"expected a file {', '.join(PICTURES)}, got {str(path)!r}")
+    return check
 
 
 def positive(_type: Any, value: float | None) -> None:

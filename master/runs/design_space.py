@@ -28,7 +28,7 @@ from ..case.schema import Case
 from ..fmi.cache import write_whole
 from ..fmi.errors import BadInput, for_all
 from ..fmi.option_classes import Key
-from ..fmi.quantities import are_compatible, quantity, registry, to_si, unit_text
+from ..fmi.quantities import are_compatible, positive_si, quantity, registry, to_si, unit_text
 
 Changes = list[tuple[str, Any]]
 """Pairs of a dotted key of a case and its value."""
@@ -282,9 +282,7 @@ def _default(key: Key) -> str:
     return f"{key.default} {key.unit}" if key.default in ("0", "0.0") else key.default
 
 
-def shapes_of(
-    case: Case, tree: dict[str, Any], size: str, amplitude: float, folder: Path
-) -> Shapes:
+def shapes_of(case: Case, tree: dict[str, Any], size: str, amplitude: str, folder: Path) -> Shapes:
     """Return the shapes of the skirt of a case.
 
     Parameters
@@ -294,16 +292,18 @@ def shapes_of(
     tree : dict
     size : str
         "HEIGHTSxORDERS": number of splines and of orders q = 0, 1, ...
-    amplitude : float
-        a > 0 [m].
+    amplitude : str
+        a > 0, a length.
     folder : Path
         Folder of the tables that are written.
 
     Raises
     ------
     BadInput
-        Without one piston and one film, without axes with heights, or for another size.
+        Without one piston and one film, without axes with heights, or for another size or
+        amplitude.
     """
+    height = positive_si("--amplitude", amplitude, "m")
     films, bodies = (players(tree, role) for role in ("lubrication", "bodies"))
     piston = (
         tree["participants"].get(bodies[0], {}).get("build", {}).get("piston") if bodies else None
@@ -325,7 +325,7 @@ def shapes_of(
         before=before,
         heights=heights,
         values=values,
-        amplitude=amplitude,
+        amplitude=height,
         folder=folder,
     )
 

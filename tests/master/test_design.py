@@ -181,7 +181,7 @@ def test_differences_stay_within_bounds_and_omit_failed_runs():
 
 def test_shapes_keep_the_mean_are_symmetric_and_survive_their_table(tmp_path):
     case = check_case(TREE, PATH)
-    shapes = shapes_of(case, TREE, "5x3", 4e-6, tmp_path)
+    shapes = shapes_of(case, TREE, "5x3", "4 um", tmp_path)
     assert len(shapes.names) == 14 and np.linalg.matrix_rank(shapes.values.reshape(14, -1)) == 14
     assert np.abs(shapes.values.mean(axis=(1, 2))).max() < 1e-15
     mirrored = [np.flatnonzero((180.0 - angle) % 360.0 == ANGLES)[0] for angle in ANGLES]
@@ -224,7 +224,7 @@ def test_shapes_keep_the_mean_are_symmetric_and_survive_their_table(tmp_path):
         ),
         (lambda: start_of(RANGES, ["radial_clearance=9"]), "--start radial_clearance: .* in um"),
         (lambda: start_of(RANGES, ["radial_clearance=15um"]), "the range of --vary, got 15um"),
-        (lambda: shapes_of(check_case(TREE, PATH), TREE, "3x1", 1e-6, PATH), "4x1 to 12x8"),
+        (lambda: shapes_of(check_case(TREE, PATH), TREE, "3x1", "1 um", PATH), "4x1 to 12x8"),
         (lambda: limit_of("film", {FILM: "raise"}), "unknown figure 'film'"),
         (lambda: limit_of(f"{FILM}<=1 s", {FILM: "raise"}), "expected a quantity in m"),
         (lambda: limit_of("x", {"x": "none"}), "expected FIGURE<=VALUE"),

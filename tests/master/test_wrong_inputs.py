@@ -140,7 +140,7 @@ SAID = {
     "run data_sheet --lubrication jof": "--lubrication: expected one of jfo, reynolds, gumbel, f",
     "run data_sheet --lubrication x.py:Film": "--lubrication: expected an existing FMU or FILE.py",
     "run data_sheet --lubrication x.py": "expected an existing FMU or FILE.py:CLASS, got 'x.py'",
-    "results scalars good.h5 --output s.xlsx": "--output: expected .csv, got 's.xlsx'",
+    "results scalars good.h5 --output s.xlsx": "--output: expected a file .csv, got 's.xlsx'",
     "results plot good.h5 folder/../good.h5": "expected different files, got 'folder/../good.h5'",
     "results report good.h5 --measured text.csv": "expected a header 'participant.variable [unit]'",
     f"{SNAPSHOT} --time '-1 ms'": "expected a time of the run, 0 s to 50 ms, got '-1 ms'",

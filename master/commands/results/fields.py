@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-from ...fmi.errors import BadInput
 from ...results import fields_export as exports
 from ...results.instants import instant
-from ..common import Moment, OutputFile, Whole, open_run, print_line
+from ..common import CsvFile, Moment, Whole, open_run, print_line
 
 
 def command(
@@ -13,7 +12,7 @@ def command(
     /,
     *,
     field: list[str],
-    output: OutputFile,
+    output: CsvFile,
     time: Moment | None = None,
     i: Whole | None = None,
     j: Whole | None = None,
@@ -40,8 +39,6 @@ def command(
         Index in axial direction, 1 or more.
     """
     case, results = open_run(file)
-    if output.suffix != ".csv":
-        raise BadInput(f"--output: expected .csv, got {str(output)!r}")
     moment = None if time is None else instant(results, time)
     blocks = [exports.chosen(exports.read_block(results, text), moment, i, j) for text in field]
     exports.write_csv(blocks, output, exports.grid_positions(case, results, blocks[0]))

@@ -3,11 +3,10 @@
 import csv
 from pathlib import Path
 
-from ...fmi.errors import BadInput
-from ..common import OutputFile, open_run, print_line
+from ..common import CsvFile, open_run, print_line
 
 
-def command(file: Path, /, *, output: OutputFile):
+def command(file: Path, /, *, output: CsvFile):
     """Write all scalar outputs as CSV.
 
     Values are in SI units. FMPy and the FMI cross-check read the same format. Texts are in quotes.
@@ -23,8 +22,6 @@ def command(file: Path, /, *, output: OutputFile):
         CSV file: a column `time` and a column for every PARTICIPANT.VARIABLE.
     """
     _, results = open_run(file)
-    if output.suffix != ".csv":
-        raise BadInput(f"--output: expected .csv, got {str(output)!r}")
     columns = {port: results.series(port).values for port in (*results.ports, *results.texts)}
     with output.open("w", newline="", encoding="utf-8", errors="surrogateescape") as target:
         rows = csv.writer(target, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
