@@ -5,7 +5,9 @@ from typing import Any
 import numpy as np
 
 from ..master.fmi.noted import none_yet, remark_of
-from . import constants, step, step_tangent
+from . import constants, step, step_nearby, step_tangent
+from .balance import film_step
+from .balance.nearby import SolvedBalance
 from .common.faults import FAULT, FAULTS, raise_noted
 from .common.grid import Array, Entrainment
 from .contradictions import is_fed
@@ -149,6 +151,43 @@ class LubricationModel:
         self._last = ended.last
         outputs = self._outputs(ended.fields, ended.scalars, ended.iterations)
         return ended.memory, outputs
+
+    def advance_nearby(
+        self,
+        base: "LubricationModel",
+        state: Memory,
+        film_thickness: Array,
+        sliding_velocity: Array,
+        length: float,
+        circumferential_velocity: Array | None = None,
+        **conditions: Any,
+    ) -> tuple[Memory, dict[str, Any]]:
+        """Take a step next to the last one of `base`, with its matrix and its full cells.
+
+        The error is of second order in the differences (Eq. (T30)). The base keeps its last step.
+
+        Parameters
+        ----------
+        base : LubricationModel
+            Without a coating, on the same grid.
+        state, film_thickness, sliding_velocity, length, circumferential_velocity, **conditions
+            As for `advance`.
+
+        Returns
+        -------
+        state : step.Memory
+        outputs : dict
+        """
+        last = base._last
+        assert last is not None
+        motion = film_thickness, sliding_velocity, circumferential_velocity
+        faults = none_yet()
+        inputs = self._inputs(motion, length, conditions, faults)
+        solved = SolvedBalance(last.unknown, last.full, last.stencil, last.filling.lift)
+        arguments = self.fixed, state, inputs, solved, base.solver, faults
+        ended = film_step.run(step_nearby.advance, *arguments)
+        self._raise(faults)
+        return ended.memory, self._outputs(ended.fields, ended.scalars, 0)
 
     def tangent(
         self,

@@ -95,6 +95,33 @@ class Ehd(FieldSlave):
         self._log_remark()
         return state, outputs
 
+    @property
+    def no_nearby_step(self) -> str:
+        """Return why the film has no step next to a solved one, or ""."""
+        model = self.model.fixed.domain.model
+        if self.model.fixed.surfaces.compliance > 0.0:
+            return "a film under a coating has no forward sensitivities"
+        if not model.conserving and (model.switching or model.clipping):
+            return "a cavitation model that loses oil has no forward sensitivities"
+        return ""
+
+    def advance_nearby(
+        self, base: "Ehd", state: Memory, values: Mapping[str, Any], time: float, step: float
+    ) -> tuple[Memory, dict[str, Any]]:
+        """Take a step next to the last one of `base`, `LubricationModel.advance_nearby`."""
+        try:
+            return self.model.advance_nearby(
+                base.model,
+                state,
+                values["film_thickness"],
+                values["sliding_velocity"],
+                step,
+                values.get(TURNING_INPUT),
+                **self._conditions(values),
+            )
+        except NotConverged as trouble:
+            raise Discard(f"lubrication step to t = {time + step:g} s: {trouble}") from None
+
     def _log_remark(self):
         """Log the warning of the last start or step, each once."""
         text = self.model.remark

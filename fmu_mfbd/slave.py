@@ -178,6 +178,15 @@ class Mfbd(FieldSlave):
         except MotionNotSolved as error:
             raise Discard(str(error)) from None
 
+    def advance_nearby(
+        self, base: Any, state: PistonState, values: dict[str, Any], time: float, step: float
+    ) -> tuple[PistonState, dict[str, Any]]:
+        """Return what `advance` returns, by `PistonInBore.advance_nearby`."""
+        try:
+            return self.model.advance_nearby(state, self._inputs(values), step)
+        except MotionNotSolved as error:
+            raise Discard(str(error)) from None
+
     def directional_derivative(self, seeds: dict[str, np.ndarray]) -> dict[str, np.ndarray | float]:
         """Return the product of the step map's derivative with the seed fields."""
         pressure, friction = (self._stacked(seeds, name) for name in FORCES)

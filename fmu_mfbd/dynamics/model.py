@@ -16,6 +16,7 @@ from ..mechanism.carrier import FIXED, Carrier
 from ..mechanism.generalised_alpha import Coefficients, coefficients
 from ..mechanism.piston_motion import LATERAL, ROCKING
 from ..mechanism.slider_crank import CrankMotion, height
+from . import nearby
 from .bore_from_outside import OutsideBore, deflected, film_on_bore, gas_on_wall, opening_changes
 from .build_options import BuildOptions, FilmGrid
 from .contradictions import FAULTS
@@ -257,6 +258,17 @@ class PistonInBore:
             outputs["film_power"] += taken
             end = end._replace(bore_deflection=inputs.bore_deflection)
         return end, outputs
+
+    def advance_nearby(
+        self, state: PistonState, inputs: Inputs, step: float
+    ) -> tuple[PistonState, dict]:
+        """Return what `advance` returns, by one kernel, without a derivative of the step."""
+        if self.outside or self.is_warm or self.IN_SPACE:
+            return self.advance(state, inputs, step)
+        result = nearby.advance.dispatcher(self.model, state, stacked(inputs), step)
+        if not result.instant.evaluations:
+            raise MotionNotSolved("the motion next to that of a step was not solved")
+        return result.state, self._outputs(result)
 
     def _solve(
         self,

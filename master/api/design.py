@@ -8,9 +8,9 @@ from ..case.checked import check_case
 from ..engine.measures import directions
 from ..fmi.errors import BadInput, for_all
 from ..runs.design_space import DesignSpace, number_of
+from ..runs.forward import by_differences, forward_or_differences
 from ..runs.pool import LocalPool
 from ..runs.sensitivities import Runs, Sensitivity, use_of
-from ..runs.sensitivities import sensitivities as sensitivities_of
 from .cases import Case
 
 log = logging.getLogger("piston_cosim")
@@ -21,10 +21,13 @@ def sensitivities(
     by: Mapping[str, str | None],
     output: str | Path | None = None,
     workers: int | None = None,
+    *,
+    forward: bool = False,
 ) -> list[Sensitivity]:
     """Return how the main results of a case change with its numbers.
 
-    Every number has two runs, with a step up and a step down.
+    Every number has two runs, with a step up and a step down. With `forward`, one run has the
+    derivatives of all its steps, where the case allows it.
 
     Parameters
     ----------
@@ -37,6 +40,10 @@ def sensitivities(
     workers : int, optional
         Number of processes. Default: number of processors. A script that calls this needs
         `if __name__ == "__main__":` around it, as with all of Python's processes.
+    forward : bool
+        Use the derivative of one run, in this process. The logger "piston_cosim" reports its
+        accuracy and what it holds, or why the case has runs with steps up and down instead. The
+        file forward/derivatives.npz in the folder has the derivatives of all scalar outputs.
 
     Returns
     -------
@@ -58,7 +65,11 @@ def sensitivities(
     numbers = for_all(lambda text: number_of(case.tree, text, case.path.parent, "by"), texts)
     with use_of(folder), LocalPool(workers) as executor:
         runs = Runs(case.tree, case.path, DesignSpace(tuple(numbers)), folder, executor)
-        known, failed = sensitivities_of(runs, [*directions(check_case(case.tree, case.path))])
+        figures = [*directions(check_case(case.tree, case.path))]
+        find = forward_or_differences if forward else by_differences
+        known, failed, notes = find(runs, figures)
+    for note in notes:
+        log.info(note)
     for row in failed:
         log.warning("a run failed: %s", row["message"])
     return known

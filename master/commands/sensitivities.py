@@ -11,8 +11,9 @@ from ..fmi.errors import BadInput, for_all
 from ..fmi.quantities import numbers_text
 from ..results.words import entry_shown, words_and_unit
 from ..runs.design_space import ANGLES, DesignSpace, number_of, shapes_of
+from ..runs.forward import by_differences, forward_or_differences
 from ..runs.pool import LocalPool
-from ..runs.sensitivities import Runs, map_of, sensitivities, use_of
+from ..runs.sensitivities import Runs, map_of, use_of
 from .common import (
     Changes,
     Only,
@@ -36,6 +37,7 @@ def command(
     only: Only = None,
     output: OutputFolder | None = None,
     workers: Workers | None = None,
+    forward: bool = False,
 ):
     """Compute how the main results change with numbers and profile.
 
@@ -66,6 +68,9 @@ def command(
         Folder. Default: results/sensitivities_CASE. Finished runs in it are reused.
     workers
         Number of processes. Default: the number of processors.
+    forward
+        Use the derivative of one run instead of two runs for each variable, where the case allows
+        it. The command prints its accuracy and what it holds, or why the case has runs instead.
     """
     path, _, tree, folder = changed_case(case, set_, only, output, "sensitivities")
     if not by and not shapes:
@@ -80,7 +85,10 @@ def command(
 
     with use_of(folder), LocalPool(workers) as executor:
         runs = Runs(tree, path, space, folder, executor, watch=watch)
-        effects, failed = sensitivities(runs, [*directions(checked)])
+        find = forward_or_differences if forward else by_differences
+        effects, failed, notes = find(runs, [*directions(checked)])
+    for note in notes:
+        say(note)
     steps = dict.fromkeys(space.names, f"+{amplitude}") | {n.name: n.step_text for n in numbers}
     _print(effects, steps)
     _write(effects, steps, folder / "sensitivities.csv")

@@ -139,6 +139,21 @@ class FieldSlave(Fmi2Slave):
         """Return state and outputs at time + step [s]; inputs in `values` are those at its end."""
         raise NotImplementedError
 
+    def advance_nearby(
+        self, base: Any, state: Any, values: dict[str, Any], time: float, step: float
+    ) -> tuple[Any, Mapping[str, Any]]:
+        """Return what `advance` returns, for a step next to the last one of another instance.
+
+        A participant that solves large equations may use the factorisation of `base`. The error
+        must be of second order in the differences of the two steps.
+        """
+        return self.advance(state, values, time, step)
+
+    @property
+    def no_nearby_step(self) -> str:
+        """Return why `advance_nearby` does not fit the model, or ""."""
+        return ""
+
     def course(self, name: str) -> np.ndarray:
         """Return an input over the current step, as the importer described it.
 

@@ -57,7 +57,7 @@ class Number:
 
     def changes(self, share: float) -> Changes:
         """Return the changes of the case for a share."""
-        number = float(f"{self.value + share * self.scale:.12g}")  # Eq. (V1)
+        number = float(f"{self.value + share * self.scale:.15g}")  # Eq. (V1)
         return [(key, f"{number!r} {self.unit}" if self.unit else number) for key in self.keys]
 
 
@@ -97,7 +97,7 @@ class Shapes:
         """Return a profile as a table that `profiles` reads, in deg, mm and um."""
         lines = [",".join(["height [mm] / angle [deg]", *(f"{angle:g}" for angle in ANGLES)])]
         for height, row in zip(self.heights, profile):
-            lines.append(",".join([f"{1e3 * height:.6g}", *(f"{1e6 * one:.5f}" for one in row)]))
+            lines.append(",".join([f"{1e3 * height:.6g}", *(f"{1e6 * one:.9f}" for one in row)]))
         return ("\n".join(lines) + "\n").encode()
 
 

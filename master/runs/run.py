@@ -3,7 +3,7 @@
 import json
 import platform
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cached_property
 from importlib.metadata import version
@@ -71,6 +71,8 @@ def run(
     begin_at: Any = None,
     say: Callable[[str], object] = lambda line: None,
     log: Callable[[str], object] = lambda line: None,
+    *,
+    observers: Sequence[Observer] = (),
 ) -> dict[str, Any]:
     """Run to the stop time, or until a period repeats the previous one (`until_periodic`).
 
@@ -91,6 +93,8 @@ def run(
         Called with the warnings of FMUs at the start, and with deviations from their capabilities.
     log : callable(line)
         Called after each period with its distance from the previous one and its summary entries.
+    observers : sequence of Observer
+        Further observers of the steps.
 
     Returns
     -------
@@ -131,7 +135,7 @@ def run(
             for line in [*sentences(objected), *table(system, case.coupling.method)]:
                 say(line)
             negotiated = by_differences(system, objected)
-            own = {"begin_at": begin_at, "objected": objected}
+            own = {"begin_at": begin_at, "objected": objected, "observers": observers}
             active = ActiveRun(negotiated, case, tree, output, watch, log, **own)
             try:
                 return active.go(received)
@@ -168,7 +172,7 @@ class ActiveRun(Observer):
     participants' own (see `negotiation`).
     """
 
-    def __init__(self, system, case, tree, output, watch, log, *, begin_at, objected):
+    def __init__(self, system, case, tree, output, watch, log, *, begin_at, objected, observers=()):
         self.objected = objected
         self.is_resumed, self.earlier = begin_at is not None, []
         self.system = system
@@ -214,8 +218,11 @@ class ActiveRun(Observer):
             self.account.spent["recording"] = 0.0
         self.monitors = monitors(case, system)
         self.observers = [
-            from_plugin("observers", name, options, system, output)
-            for name, options in case.observers.items()
+            *observers,
+            *(
+                from_plugin("observers", name, options, system, output)
+                for name, options in case.observers.items()
+            ),
         ]
         self.parts = []
         self.begin = clock.perf_counter() - self.account.wall_time
