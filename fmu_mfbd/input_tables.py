@@ -1,5 +1,6 @@
 """Tables that a build table names besides the bodies, read before any long computation."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from math import pi
@@ -9,12 +10,21 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from ..master.fmi.errors import BadInput, for_all
+from ..master.fmi.quantities import to_si
 from .body_options import ShapeTable
 from .dynamics.build_options import WallTemperature, WallTemperatures
 from .dynamics.parameters import REFERENCE
 from .dynamics.speed_table import SpeedTable, speed_table
 from .dynamics.start_state import StartState, read_start
-from .dynamics.tables import GasTable, Rows, gas_table, inline_numbers, profile_table, read_numbers
+from .dynamics.tables import (
+    GasTable,
+    Rows,
+    TableFault,
+    gas_table,
+    inline_numbers,
+    profile_table,
+    read_numbers,
+)
 from .geometry.profile import MeasuredShape
 from .options import Bodies, Build, Gas, Speed
 from .reduction.reduced_body import ReducedBlock, load
@@ -35,6 +45,8 @@ class Tables(NamedTuple):
     temperatures: WallTemperatures | None = None
 
 
+HEAD_UNIT = re.compile(r"\[(.+)\]")
+"""Unit in the header of a column."""
 NO_TABLES = Tables((), (), None, None, None)
 
 
@@ -69,24 +81,42 @@ def _shape(table: ShapeTable) -> MeasuredShape:
     return profile_table(table.file, table.angle_unit, table.height_unit, table.value_unit)
 
 
-def _rows(name: str, table: Gas | Speed) -> Rows:
-    """Return the numbers of a table in a file or in the case."""
-    if table.file:
-        return read_numbers(table.file)
-    return inline_numbers(f"{name}.points", table.points or [])
+def _rows(name: str, table: Gas | Speed, keys: dict[str, str]) -> Rows:
+    """Return the numbers of a table in a file or in the case.
+
+    keys : SI unit of the key of each column. Raises `TableFault` if the header of the file has a
+    unit [in brackets] that contradicts its key.
+    """
+    if not table.file:
+        return inline_numbers(f"{name}.points", table.points or [])
+    rows = read_numbers(table.file)
+    for cell, (key, si) in zip(rows.head, keys.items()):
+        written = HEAD_UNIT.search(cell)
+        if written is None:
+            continue
+        try:
+            size = to_si(f"1 {written[1]}", si)
+        except ValueError:  # a word such as [gauge]
+            continue
+        got = getattr(table, key)
+        if not 0.5 < got / size < 2.0:  # a key such as "1.1 MPa" scales a trace
+            unit = f"'1 {written[1]}' as in the header"
+            raise TableFault(f"{table.file}: expected {key} near {unit}, got {got:g} {si}")
+    return rows
 
 
 def _gas(table: Gas) -> GasTable:
+    rows = _rows("gas", table, {"angle_unit": "rad", "pressure_unit": "Pa"})
     cycle = pi * table.strokes
-    return gas_table(_rows("gas", table), cycle, table.angle_unit, table.pressure_unit)
+    return gas_table(rows, cycle, table.angle_unit, table.pressure_unit)
 
 
 def _speed(table: Speed) -> SpeedTable:
-    rows = _rows("speed", table)
     cycle = pi * table.strokes
     unit = table.time_unit or table.angle_unit
     assert unit  # one of the two is given
-    over = "time" if table.time_unit else "angle"
+    over, si = ("time", "s") if table.time_unit else ("angle", "rad")
+    rows = _rows("speed", table, {f"{over}_unit": si, "speed_unit": "rad/s"})
     return speed_table(rows, over, cycle, unit, table.speed_unit)
 
 
