@@ -21,6 +21,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element, indent, tostring
 
+from pythonfmu import Fmi2Slave  # pyright: ignore[reportMissingTypeStubs]
+
 from .cache import cache_folder
 from .compiler import compile_front, compiler, front_sources
 from .description import model_description
@@ -242,8 +244,10 @@ def build_fmu_of_file(
             module = importlib.import_module(path.stem)
         except Exception as error:  # the user's code raises whatever it likes
             raise BadInput(f"file: expected code that can be imported, got {error}") from error
-        if not hasattr(module, slave):
-            raise BadInput(f"file: expected a class of {path.name}, got {slave!r}")
+        model = getattr(module, slave, None)
+        if not (isinstance(model, type) and issubclass(model, Fmi2Slave)):
+            expected = f"a class of {path.name} derived from Slave"
+            raise BadInput(f"file: expected {expected}, got {slave!r}")
         code = code_with(f"{path.stem}:{slave}", path.stem)
         return pack_fmu(path.stem, code, options, {}, progress, version)
     finally:

@@ -42,6 +42,7 @@ SET = [
     "crank_speed=1e9 rpm",
     "crank_free=0.5",
     "participants.ehd.build.grid=[42, 40]",
+    "participants.ehd.package=os",
     "participants.ehd.build.oil=olive",
     "participants.ehd.build.mask=no.csv",
     "participants.ehd.build.inputs=['viscosity']",
