@@ -190,6 +190,7 @@ SAID = {
     "results plot no.h5": "no.h5: expected a results file, got no such file",
     "results plot text.h5": "text.h5: expected the results file of a run, got another file",
     "results report good.h5 --measured falling.csv": "expected rising numbers in the first column",
+    "results report good.h5 --measured words.csv": "line 2: expected 2 numbers, got '1, a'",
     "results report good.h5 --measured no.csv": "no.csv: expected an existing file, got no such",
     "results movie good.h5": "got nothing; the file has no fields, name them in record.fields",
     "results plot cut.h5": "expected the results file of a run, got a truncated one",
@@ -293,8 +294,8 @@ WRONG_CASES = {
     (
         "1 MPa",
         "1 GPa",
-    ): "gauge pressures from -0.101325 to 100 MPa, got 6776.18 MPa; check",
-    ('angle_unit = "1 deg"', 'angle_unit = "1 rad"'): "got 41253 deg; check angle_unit and strokes",
+    ): "expected pressure_unit near '1 MPa' as in the header, got 1e+09 Pa",
+    ('angle_unit = "1 deg"', 'angle_unit = "1 rad"'): "angle_unit near '1 deg' as in the header",
     ("strokes = 4", "strokes = 2"): "expected a cycle of 360 deg, got 720 deg; check angle_unit",
     ("gas_pressure.csv", ""): "gas.file: expected a file in",
     ("gas_pressure.csv", "."): "gas.file: expected a file in",

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ...fmi.errors import BadInput
 from ...results import fields_export as exports
-from ...results.instants import instant
+from ...results.instants import instant, instant_text
 from ..common import Moment, OutputFile, Whole, open_run, print_line
 
 
@@ -45,4 +45,5 @@ def command(
     moment = None if time is None else instant(results, time)
     blocks = [exports.chosen(exports.read_block(results, text), moment, i, j) for text in field]
     exports.write_csv(blocks, output, exports.grid_positions(case, results, blocks[0]))
-    print_line(f"fields   {output}")
+    at = "" if moment is None else f"   t = {instant_text(results, blocks[0].times[0])}"
+    print_line(f"fields   {output}{at}")
