@@ -7,6 +7,7 @@ value in plain words. No existing file is lost.
 import re
 import shlex
 import shutil
+import subprocess
 import sys
 import time
 import zipfile
@@ -493,3 +494,17 @@ def test_wrong_files_of_a_case(name, text, tmp_path, monkeypatch, capsys):
     (tmp_path / "case.toml").write_text(case)
     (tmp_path / name).write_text(text)
     faults_of_call(["check", str(tmp_path)], monkeypatch, capsys)
+
+
+@pytest.mark.parametrize("full", [False, True])
+def test_output_that_cannot_be_written_ends_without_a_traceback(full):
+    """Standard output is a pipe without a reader, as after `head`, or a full disk."""
+    with open("/dev/full", "w") as disk:
+        words = [sys.executable, "-m", "piston_cosim", "keys", "--json-schema"]
+        target = disk if full else subprocess.PIPE
+        run = subprocess.Popen(words, stdout=target, stderr=subprocess.PIPE, text=True)
+    if run.stdout:
+        run.stdout.close()
+    message = run.stderr.read()
+    assert run.wait() == 1
+    assert message.strip() == ("stopped: No space left on device" if full else "")
