@@ -1,6 +1,5 @@
 """Tables that a build table names besides the bodies, read before any long computation."""
 
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from math import pi
@@ -16,15 +15,7 @@ from .dynamics.build_options import WallTemperature, WallTemperatures
 from .dynamics.parameters import REFERENCE
 from .dynamics.speed_table import SpeedTable, speed_table
 from .dynamics.start_state import StartState, read_start
-from .dynamics.tables import (
-    GasTable,
-    Rows,
-    TableFault,
-    gas_table,
-    inline_numbers,
-    profile_table,
-    read_numbers,
-)
+from .dynamics.tables import GasTable, Rows, gas_table, inline_numbers, profile_table, read_numbers
 from .geometry.profile import MeasuredShape
 from .options import Bodies, Build, Gas, Speed
 from .reduction.reduced_body import ReducedBlock, load
@@ -45,8 +36,6 @@ class Tables(NamedTuple):
     temperatures: WallTemperatures | None = None
 
 
-HEAD_UNIT = re.compile(r"\[(.+)\]")
-"""Unit in the header of a column."""
 NO_TABLES = Tables((), (), None, None, None)
 
 
@@ -84,24 +73,21 @@ def _shape(table: ShapeTable) -> MeasuredShape:
 def _rows(name: str, table: Gas | Speed, keys: dict[str, str]) -> Rows:
     """Return the numbers of a table in a file or in the case.
 
-    keys : SI unit of the key of each column. Raises `TableFault` if the header of the file has a
-    unit [in brackets] that contradicts its key.
+    keys : SI unit of the key of each column. Raises `ValueError` if a unit in the header of the
+    file contradicts its key.
     """
     if not table.file:
         return inline_numbers(f"{name}.points", table.points or [])
     rows = read_numbers(table.file)
     for cell, (key, si) in zip(rows.head, keys.items()):
-        written = HEAD_UNIT.search(cell)
-        if written is None:
-            continue
+        unit = cell.partition("[")[2].partition("]")[0]
         try:
-            size = to_si(f"1 {written[1]}", si)
-        except ValueError:  # a word such as [gauge]
+            size = getattr(table, key) / to_si(f"1 {unit}", si)
+        except ValueError:  # no unit, or a word such as [gauge]
             continue
-        got = getattr(table, key)
-        if not 0.5 < got / size < 2.0:  # a key such as "1.1 MPa" scales a trace
-            unit = f"'1 {written[1]}' as in the header"
-            raise TableFault(f"{table.file}: expected {key} near {unit}, got {got:g} {si}")
+        if not 0.5 < size < 2.0:  # a key such as "1.1 MPa" scales a trace
+            expected = f"{key} near '1 {unit}' as in the header"
+            raise ValueError(f"{table.file}: expected {expected}, got '{size:.3g} {unit}'")
     return rows
 
 

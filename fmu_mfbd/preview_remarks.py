@@ -16,9 +16,7 @@ from .preview_picture import Shapes
 from .profile_judgement import UNUSUAL_DROP, UNUSUAL_OVALITY, judge_profile
 
 USUAL_MASS = 0.1e3, 10e3
-"""Mass of a piston over the cube of its diameter [kg/m^3]. The shipped cases have 500 to 1040. Our
-own choice: a value outside has the wrong unit.
-"""
+"""Mass of a piston over the cube of its diameter [kg/m^3], our own choice: 500 to 1040 is usual."""
 CLEARANCE_DIFFERENCE = 0.3e-3
 """Difference of skirt and bore radius from the clearance [m] above which it is worth a remark: a
 mesh is drawn at the nominal diameter or a few tenths below."""

@@ -24,10 +24,7 @@ class TableFault(ValueError):
 
 
 class Rows(NamedTuple):
-    """Numbers of a table as the user gave it: its name, names of rows for messages, and values.
-
-    head : cells of the last text row above the numbers.
-    """
+    """Numbers of a table as the user gave it: its name, names of rows, values, last text row."""
 
     name: str
     row_names: list[str]

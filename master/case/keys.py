@@ -35,8 +35,7 @@ def declared_variables(table: Any, folder: Path) -> list[Variable] | None:
         If the part does not exist, or with the faults of its build options.
     """
     if table.package and not _is_installed(table.package):
-        expected = "an installed package with a module `build`"
-        raise BadInput(f"package: expected {expected}, got {table.package!r}")
+        raise BadInput(f"package: expected an installed one with `build`, got {table.package!r}")
     declared = part_function(table.package, "declared_variables")
     try:
         return declared(table.build, folder) if declared else None

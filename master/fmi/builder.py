@@ -21,15 +21,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element, indent, tostring
 
-from pythonfmu import Fmi2Slave  # pyright: ignore[reportMissingTypeStubs]
-
 from .cache import cache_folder
 from .compiler import compile_front, compiler, front_sources
 from .description import model_description
 from .description3 import model_description_3, terminals
 from .documentation import ICON, documentation
 from .errors import BadInput
-from .slave import STARTS, FieldSlave
+from .slave import STARTS, FieldSlave, Fmi2Slave
 from .tree import ROOT, import_part, reached
 
 Say = Callable[[str], object]
@@ -246,8 +244,7 @@ def build_fmu_of_file(
             raise BadInput(f"file: expected code that can be imported, got {error}") from error
         model = getattr(module, slave, None)
         if not (isinstance(model, type) and issubclass(model, Fmi2Slave)):
-            expected = f"a class of {path.name} derived from Slave"
-            raise BadInput(f"file: expected {expected}, got {slave!r}")
+            raise BadInput(f"file: expected a class of {path.name} from Slave, got {slave!r}")
         code = code_with(f"{path.stem}:{slave}", path.stem)
         return pack_fmu(path.stem, code, options, {}, progress, version)
     finally:

@@ -1,6 +1,7 @@
 """Scores of curves: run against run, cycle against cycle, run against a measured file."""
 
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -151,8 +152,8 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
     if faults or len(heads) < 2:
         got = len(heads) or "an empty file"
         raise BadInput(faults or f"{path}: expected a header of at least two columns, got {got}")
-    values = np.array([_numbers(path, len(heads), number, row) for number, row in rows[1:]])
-    if not len(values):
+    values = np.array([_numbers(path, len(heads), *row) for row in rows[1:]])
+    if not values.size:
         raise BadInput(f"{path}: expected rows of numbers, got none")
     if np.any(np.diff(values[:, 0]) <= 0):
         raise BadInput(f"{path}: expected rising numbers in the first column, got others")
@@ -161,14 +162,11 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
 
 def _numbers(path, count, number, row):
     """Return the finite numbers of a row."""
-    try:
+    with suppress(ValueError):
         values = [float(cell) for cell in row]
-    except ValueError:
-        values = []
-    if len(values) != count or not np.isfinite(values).all():
-        got = ", ".join(cell.strip() for cell in row)
-        raise BadInput(f"{path}, line {number}: expected {count} numbers, got {got!r}")
-    return values
+        if len(values) == count and np.isfinite(values).all():
+            return values
+    raise BadInput(f"{path}, line {number}: expected {count} numbers, got {', '.join(row)!r}")
 
 
 def _columns(path, heads, columns):
@@ -228,17 +226,13 @@ def check_measured(runs, measured):
 
 
 def outside_text(results, measured) -> str:
-    """Return a warning of measured values outside the range of a run, empty if there are none.
-
-    They are ignored. Values beyond an end by less than a thousandth of the range are not counted.
-    """
+    """Return a warning of measured values beyond the ends of a run by 1e-3 of its range, or ""."""
     x_port, (x, x_unit, *_) = next(iter(measured.items()))
     curve_x, si_x, _ = results.series(x_port)
     ends = np.array([curve_x.min(), curve_x.max()]) / _factor(x_unit, si_x)
     count = int((np.abs(x - ends.mean()) > (0.5 + 1e-3) * np.ptp(ends)).sum())
-    shown = f"{ends[0]:.6g} to {ends[1]:.6g} {x_unit}"
-    text = f"{count} of {len(x)} measured values are outside the run, {shown}, and are ignored"
-    return f"warning: {text}" if count else ""
+    text = f"outside the run, {ends[0]:.6g} to {ends[1]:.6g} {x_unit}, and are ignored"
+    return f"warning: {count} of {len(x)} measured values are {text}" if count else ""
 
 
 def have_bands(measured) -> bool:

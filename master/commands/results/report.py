@@ -37,9 +37,9 @@ def command(
     described, runs = open_runs(files)
     columns = read_measured(measured) if measured else {}
     compared = agreement(runs, columns) if columns else None
-    for label, results in runs.items() if columns else ():
+    for results in runs.values() if columns else ():
         if text := outside_text(results, columns):
-            print_line(f"{text} (run {label})")
+            print_line(text)
     with working(console, "drawing the page"):
         page = page_of(described, runs, output, source=case, measured=compared)
     print_line(f"report   {page}")
