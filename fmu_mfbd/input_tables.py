@@ -9,6 +9,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from ..master.fmi.errors import BadInput, for_all
+from ..master.fmi.quantities import to_si
 from .body_options import ShapeTable
 from .dynamics.build_options import WallTemperature, WallTemperatures
 from .dynamics.parameters import REFERENCE
@@ -69,24 +70,39 @@ def _shape(table: ShapeTable) -> MeasuredShape:
     return profile_table(table.file, table.angle_unit, table.height_unit, table.value_unit)
 
 
-def _rows(name: str, table: Gas | Speed) -> Rows:
-    """Return the numbers of a table in a file or in the case."""
-    if table.file:
-        return read_numbers(table.file)
-    return inline_numbers(f"{name}.points", table.points or [])
+def _rows(name: str, table: Gas | Speed, keys: dict[str, str]) -> Rows:
+    """Return the numbers of a table in a file or in the case.
+
+    keys : SI unit of the key of each column. Raises `ValueError` if a unit in the header of the
+    file contradicts its key.
+    """
+    if not table.file:
+        return inline_numbers(f"{name}.points", table.points or [])
+    rows = read_numbers(table.file)
+    for cell, (key, si) in zip(rows.head, keys.items()):
+        unit = cell.partition("[")[2].partition("]")[0]
+        try:
+            size = getattr(table, key) / to_si(f"1 {unit}", si)
+        except ValueError:  # no unit, or a word such as [gauge]
+            continue
+        if not 0.5 < size < 2.0:  # a key such as "1.1 MPa" scales a trace
+            expected = f"{key} near '1 {unit}' as in the header"
+            raise ValueError(f"{table.file}: expected {expected}, got '{size:.3g} {unit}'")
+    return rows
 
 
 def _gas(table: Gas) -> GasTable:
+    rows = _rows("gas", table, {"angle_unit": "rad", "pressure_unit": "Pa"})
     cycle = pi * table.strokes
-    return gas_table(_rows("gas", table), cycle, table.angle_unit, table.pressure_unit)
+    return gas_table(rows, cycle, table.angle_unit, table.pressure_unit)
 
 
 def _speed(table: Speed) -> SpeedTable:
-    rows = _rows("speed", table)
     cycle = pi * table.strokes
     unit = table.time_unit or table.angle_unit
     assert unit  # one of the two is given
-    over = "time" if table.time_unit else "angle"
+    over, si = ("time", "s") if table.time_unit else ("angle", "rad")
+    rows = _rows("speed", table, {f"{over}_unit": si, "speed_unit": "rad/s"})
     return speed_table(rows, over, cycle, unit, table.speed_unit)
 
 

@@ -15,6 +15,8 @@ from .options import Build
 from .preview_picture import Shapes
 from .profile_judgement import UNUSUAL_DROP, UNUSUAL_OVALITY, judge_profile
 
+USUAL_MASS = 0.1e3, 10e3
+"""Mass of a piston over the cube of its diameter [kg/m^3], our own choice: 500 to 1040 is usual."""
 CLEARANCE_DIFFERENCE = 0.3e-3
 """Difference of skirt and bore radius from the clearance [m] above which it is worth a remark: a
 mesh is drawn at the nominal diameter or a few tenths below."""
@@ -126,6 +128,10 @@ def messages_on_fit(
         if (value := getattr(chosen, name)) > (most := share * 2 * piston.body.radius):
             text = f"{name} = {_um(value)}: expected at most {_um(most)} in engines; check its unit"
             out.append(Message("warning", text))
+    low, high = (share * (2.0 * piston.body.radius) ** 3 for share in USUAL_MASS)
+    if not low < piston.body.mass < high:
+        text = f"expected {low:.3g} to {high:.3g} kg for its diameter; check its unit"
+        out.append(Message("warning", f"mass of the piston = {piston.body.mass:.4g} kg: {text}"))
     if not build.piston.profiles and not chosen.barrel:
         text = f"barrel = {_um(0.0)}: a straight skirt carries on its edges"
         out.append(Message("warning", text))

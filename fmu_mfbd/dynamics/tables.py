@@ -24,11 +24,12 @@ class TableFault(ValueError):
 
 
 class Rows(NamedTuple):
-    """Numbers of a table as the user gave it: its name, names of rows for messages, and values."""
+    """Numbers of a table as the user gave it: its name, names of rows, values, last text row."""
 
     name: str
     row_names: list[str]
     values: list[list[float]]
+    head: Sequence[str] = ()
 
 
 class Column(NamedTuple):
@@ -78,7 +79,7 @@ def read_numbers(path: Path | str, corner: bool = False) -> Rows:
         lines = read_rows(path)
     except (OSError, UnicodeDecodeError) as error:
         raise TableFault(file_fault(path, error)) from None
-    rows = Rows(str(path), [], [])
+    rows = Rows(str(path), [], [], head := [])
     for number, line in lines:
         if corner and not rows.values:
             line = line[1:]
@@ -87,6 +88,8 @@ def read_numbers(path: Path | str, corner: bool = False) -> Rows:
         if values is None and (rows.values or _finite_numbers(cells[:1])):
             wrong = next(cell for cell in cells if _finite_numbers([cell]) is None)
             raise TableFault(f"{path}, line {number}: expected numbers, got {wrong!r}")
+        if values is None:
+            head[:] = cells
         if values:
             rows.row_names.append(f"{path}, line {number}")
             rows.values.append(values)

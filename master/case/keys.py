@@ -35,7 +35,7 @@ def declared_variables(table: Any, folder: Path) -> list[Variable] | None:
         If the part does not exist, or with the faults of its build options.
     """
     if table.package and not _is_installed(table.package):
-        raise BadInput(f"package: expected an installed package, got {table.package!r}")
+        raise BadInput(f"package: expected an installed one with `build`, got {table.package!r}")
     declared = part_function(table.package, "declared_variables")
     try:
         return declared(table.build, folder) if declared else None
@@ -45,7 +45,7 @@ def declared_variables(table: Any, folder: Path) -> list[Variable] | None:
 
 def _is_installed(package: str) -> bool:
     try:
-        import_part(package)
+        import_part(f"{package}.build")
     except ImportError:
         return False
     return True

@@ -29,6 +29,7 @@ from ..fmi.description3 import TYPES
 from ..fmi.errors import BadInput, file_fault
 from ..fmi.fields import base_of
 from ..fmi.quantities import base_unit, is_known, pint_unit
+from .checked import check_case
 
 SPACE = {
     part: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
@@ -196,6 +197,8 @@ def _annotations(parent, tree, system):
     SubElement(node, f"{{{OMS}}}FixedStepMaster", master | tolerances)
     own = _add(annotations, "ssc:Annotation", type=VENDOR)
     entries = {key: value for key, value in tree.items() if key not in LEFT}
+    # an axis may begin at a build option, which the FMUs lack
+    entries["axes"] = [one.model_dump(exclude_none=True) for one in check_case(tree, Path()).axes]
     SubElement(own, "case").text = json.dumps(entries)
 
 

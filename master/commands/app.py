@@ -3,6 +3,7 @@
 Exit codes: 0 success, 1 a run that failed or was stopped, 2 bad input.
 """
 
+import errno
 import gc
 import os
 import sys
@@ -98,11 +99,17 @@ def main():
         check_values(words)
         with ending_soon():
             app(words, exit_on_error=False, print_error=False)
+        sys.stdout.flush()
     except KeyboardInterrupt as error:
         say_faults(f"\nstopped:[/] by {str(error) or 'SIGINT'}", [])
+    except BrokenPipeError:  # the reader of standard output has ended, such as `head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except (CycloptsError, BadInput, OSError) as error:
         if isinstance(error, OSError) and not (error.filename or is_damaged(error)):
-            raise  # not a file of the user
+            if error.errno != errno.ENOSPC:
+                raise  # not a file of the user
+            say_faults(f"stopped:[/] {error.strerror}", [])
+            sys.exit(1)
         faults = faults_of(error)
         title = f"bad input[/], {len(faults)} fault{'s' * (len(faults) > 1)}:"
         say_faults(title, [f"- {fault}" for fault in faults])

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from ..fmi.errors import for_all
 from ..fmi.quantities import numbers_text
-from ..results.compare import deviations, have_bands, read_measured
+from ..results.compare import deviations, have_bands, outside_text, read_measured
 from ..results.file import Results
 from ..runs.calibration import calibrate
 from ..runs.design_space import DesignSpace, range_of
@@ -80,6 +80,9 @@ def command(
         fit = calibrate(residuals, bounds, has_bands)
         before, after = runs.rows([np.zeros(len(numbers)), fit.shares])
     _print(numbers, fit)
+    with Results(before["results"]) as results:
+        if text := outside_text(results.last, columns):
+            say(text)
     for number, share, ends in zip(numbers, fit.shares, bounds):
         if np.abs(np.subtract(ends, share)).min() < AT_END:
             say(f"warning: {number.name} ends at an end of its range; its interval does not count")

@@ -27,7 +27,7 @@ from .description import model_description
 from .description3 import model_description_3, terminals
 from .documentation import ICON, documentation
 from .errors import BadInput
-from .slave import STARTS, FieldSlave
+from .slave import STARTS, FieldSlave, Fmi2Slave
 from .tree import ROOT, import_part, reached
 
 Say = Callable[[str], object]
@@ -242,8 +242,9 @@ def build_fmu_of_file(
             module = importlib.import_module(path.stem)
         except Exception as error:  # the user's code raises whatever it likes
             raise BadInput(f"file: expected code that can be imported, got {error}") from error
-        if not hasattr(module, slave):
-            raise BadInput(f"file: expected a class of {path.name}, got {slave!r}")
+        model = getattr(module, slave, None)
+        if not (isinstance(model, type) and issubclass(model, Fmi2Slave)):
+            raise BadInput(f"file: expected a class of {path.name} from Slave, got {slave!r}")
         code = code_with(f"{path.stem}:{slave}", path.stem)
         return pack_fmu(path.stem, code, options, {}, progress, version)
     finally:

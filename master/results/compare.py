@@ -1,6 +1,7 @@
 """Scores of curves: run against run, cycle against cycle, run against a measured file."""
 
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -132,17 +133,18 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
         With every faulty header and the first faulty row.
     """
     try:
-        rows = [row for _, row in read_rows(path)]
+        rows = read_rows(path)
     except (OSError, UnicodeDecodeError) as error:
         raise BadInput(file_fault(path, error)) from None
-    heads = [HEADER.match(cell) for cell in rows[0]] if rows else []
+    head = rows[0][1] if rows else []
+    heads = [HEADER.match(cell) for cell in head]
     if heads and not any(heads):
-        got = f"got {rows[0][0]!r} in the first of {len(heads)} columns"
+        got = f"got {head[0]!r} in the first of {len(heads)} columns"
         raise BadInput(f"{path}: expected a header 'participant.variable [unit]', {got}")
     faults = [
-        f"{path}, column {k + 1}: expected 'participant.variable [unit]', got {rows[0][k]!r}"
-        for k, head in enumerate(heads)
-        if not head
+        f"{path}, column {k + 1}: expected 'participant.variable [unit]', got {head[k]!r}"
+        for k, match in enumerate(heads)
+        if not match
     ]
     if (more := len(faults) - MOST_FAULTS) > 0:
         got = f"got {more} further ones without a port"
@@ -150,15 +152,21 @@ def read_measured(path: str | Path) -> dict[str, Measured]:
     if faults or len(heads) < 2:
         got = len(heads) or "an empty file"
         raise BadInput(faults or f"{path}: expected a header of at least two columns, got {got}")
-    try:
-        values = np.array([[float(cell) for cell in row] for row in rows[1:] if row])
-    except ValueError:
-        values = np.empty(0)
-    if values.shape[1:] != (len(heads),) or not np.isfinite(values).all():
-        raise BadInput(f"{path}: expected {len(heads)} numbers in each row, got other text")
+    values = np.array([_numbers(path, len(heads), *row) for row in rows[1:]])
+    if not values.size:
+        raise BadInput(f"{path}: expected rows of numbers, got none")
     if np.any(np.diff(values[:, 0]) <= 0):
         raise BadInput(f"{path}: expected rising numbers in the first column, got others")
-    return _columns(path, [head for head in heads if head], values.T)
+    return _columns(path, [match for match in heads if match], values.T)
+
+
+def _numbers(path, count, number, row):
+    """Return the finite numbers of a row."""
+    with suppress(ValueError):
+        values = [float(cell) for cell in row]
+        if len(values) == count and np.isfinite(values).all():
+            return values
+    raise BadInput(f"{path}, line {number}: expected {count} numbers, got {', '.join(row)!r}")
 
 
 def _columns(path, heads, columns):
@@ -215,6 +223,16 @@ def check_measured(runs, measured):
                 _factor(column.unit, results.series(port).unit)
     if faults:
         raise BadInput(faults)
+
+
+def outside_text(results, measured) -> str:
+    """Return a warning of measured values beyond the ends of a run by 1e-3 of its range, or ""."""
+    x_port, (x, x_unit, *_) = next(iter(measured.items()))
+    curve_x, si_x, _ = results.series(x_port)
+    ends = np.array([curve_x.min(), curve_x.max()]) / _factor(x_unit, si_x)
+    count = int((np.abs(x - ends.mean()) > (0.5 + 1e-3) * np.ptp(ends)).sum())
+    text = f"outside the run, {ends[0]:.6g} to {ends[1]:.6g} {x_unit}, and are ignored"
+    return f"warning: {count} of {len(x)} measured values are {text}" if count else ""
 
 
 def have_bands(measured) -> bool:

@@ -324,7 +324,9 @@ class Recorded:
         return TrimmedDataset(dataset, self._first_instant) if self._first_row else dataset
 
     def field(self, port: str, time: float) -> RecordedField:
-        """Return the recorded field nearest to `time` [s]."""
+        """Return the recorded field nearest to `time` [s]; raise `BadInput` for an unknown one."""
+        if port not in self.recorded:
+            raise BadInput(f"port: {unknown('recorded field', port, self.recorded)}")
         dataset = self.dataset(port)
         instants = self.instants
         k = int(np.argmin(np.abs(instants - time)))

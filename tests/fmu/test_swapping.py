@@ -263,6 +263,9 @@ def test_missing_file_or_class_is_bad_input(tmp_path):
         build_fmu_of_file(f"{tmp_path}/none.py:Film", {"grid": [4, 4]})
     with pytest.raises(BadInput, match="file: expected a class of .*, got 'Film'"):
         build_fmu_of_file(f"{TEMPLATE}:Film", {"grid": [4, 4]})
+    (tmp_path / "no_slave.py").write_text("class Film: pass")
+    with pytest.raises(BadInput, match="from Slave, got 'Film'"):
+        build_fmu_of_file(f"{tmp_path}/no_slave.py:Film", {"grid": [4, 4]})
 
 
 def test_dry_contact_pushes_only_where_the_gap_is_closed():

@@ -147,6 +147,8 @@ def test_a_run_is_that_of_the_command(oscillator, here):
     words = "run two_mass_oscillator --only hermite --output command --set".split()
     assert call(*words, "time.stop=0.03 s").returncode == 0
     other = pc.open_results("command/hermite.h5")
+    with pytest.raises(pc.BadInput, match="there is no recorded field, got 'left.nope'"):
+        other.field("left.nope", 0.0)
     with pytest.raises(pc.BadInput, match="unknown scalar output 'left.displacment'; did you mean"):
         other.series("left.displacment")
     for port in other.ports:

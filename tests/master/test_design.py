@@ -17,7 +17,7 @@ from piston_cosim.master.case.reading import find_case, read_tree
 from piston_cosim.master.fmi.cache import cache_folder, passing_fmus
 from piston_cosim.master.fmi.errors import BadInput, Stopped
 from piston_cosim.master.fmi.quantities import to_si
-from piston_cosim.master.results.compare import Measured, deviations, have_bands
+from piston_cosim.master.results.compare import Measured, deviations, have_bands, outside_text
 from piston_cosim.master.results.recorded import Series
 from piston_cosim.master.runs import sweep as sweeps
 from piston_cosim.master.runs.calibration import calibrate
@@ -436,6 +436,10 @@ def test_deviations_are_in_quarters_of_the_band():
     angle, height = np.array([45.0, 90.0, 400.0]), np.array([88.0, 190.0, 0.0])
     columns = {"a.angle": Measured(angle, "deg"), "a.height": Measured(height, "mm")}
     assert deviations(Recorded(), columns) == pytest.approx([2.0 / 190.0, -10.0 / 190.0])
+    text = "warning: 1 of 3 measured values are outside the run, 0 to 90 deg, and are ignored"
+    assert outside_text(Recorded(), columns) == text
+    within = {"a.angle": Measured(np.array([-0.01, 90.05]), "deg")}  # a digit of the file
+    assert outside_text(Recorded(), within) == ""
     banded = Measured(height, "mm", height - 4.0, height + 4.0)
     assert deviations(Recorded(), columns | {"a.height": banded}) == pytest.approx([1.0, -5.0])
     narrow = Measured(height, "mm", height, height)

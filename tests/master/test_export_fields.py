@@ -1,10 +1,13 @@
 """Field exports: what is written is what was recorded."""
 
 import csv
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from piston_cosim.master.case.shown import NEUTRAL
+from piston_cosim.master.commands.results import fields as export
 from piston_cosim.master.fmi.errors import BadInput
 from piston_cosim.master.results.fields_export import (
     chosen,
@@ -25,7 +28,8 @@ def results(tmp_path):
         "ehd.pressure": (PRESSURE, "Pa"),
         "bodies.line": (PRESSURE[:, 0], "m"),
     }
-    return write_results(tmp_path / "run.h5", TIMES, fields=fields, instants=TIMES)
+    case = {"participants": {}}
+    return write_results(tmp_path / "run.h5", TIMES, fields=fields, instants=TIMES, case=case)
 
 
 def test_what_cannot_be_written_is_refused(results, tmp_path):
@@ -46,6 +50,15 @@ def test_csv_of_a_line_at_an_instant(results, tmp_path):
         ("0.1", "2", str(j)) for j in range(1, 5)
     ]
     assert [float(row["ehd.pressure [Pa]"]) for row in rows] == PRESSURE[1, 1].tolist()
+
+
+def test_the_command_prints_the_instant(results, tmp_path, monkeypatch, capsys):
+    case = SimpleNamespace(axes_of=lambda port: NEUTRAL)
+    monkeypatch.setattr(export, "open_run", lambda file: (case, results))
+    export.command(
+        tmp_path / "run.h5", field=["ehd.pressure"], output=tmp_path / "p.csv", time="0.12 s"
+    )
+    assert capsys.readouterr().out.endswith("p.csv   t = 100 ms\n")
 
 
 def test_a_line_outside_the_grid_is_bad_input(results):

@@ -27,6 +27,8 @@ SMALL = [
     ("time.stop", "6 deg"),
     ("participants.bodies.build.piston.modes", 0),
     ("participants.bodies.build.block.modes", 0),
+    ("participants.bodies.build.piston.boss_length", "12 mm"),
+    ("axes.0.second.lower", "bodies.build.piston.boss_length"),  # a build option, which FMUs lack
     ("symmetric", False),  # an SSP does not contain it, and half a film has other last digits
 ]
 
@@ -50,9 +52,12 @@ def results(path, changes, output):
 def test_read_back_runs_to_the_same_values(kind, request, tmp_path):
     one = results(PATH, SMALL, tmp_path / "one.h5")
     two = results(request.getfixturevalue(kind), (), tmp_path / "two.h5")
+    cases = (PATH, SMALL), (request.getfixturevalue(kind),)
     for port in ("bodies.lateral_displacement", "ehd.minimum_film_thickness", "ehd.friction_power"):
         np.testing.assert_array_equal(one.series(port)[0], two.series(port)[0])
     assert np.ptp(one.series("bodies.lateral_displacement")[0]) > 0
+    ends = [check_case(read_tree(*case), PATH).axes[0].second.range for case in cases]
+    assert ends[0][0] == pytest.approx(12.0) and ends[1] == pytest.approx(ends[0])
 
 
 def members(path):

@@ -90,7 +90,8 @@ def shapes_of(cold, hot):
 
 @pytest.mark.parametrize("fit, kinds", [(-173e-6, ["fault"]), (-10e-6, []), (0.4e-3, ["warning"])])
 def test_a_mesh_of_a_skirt_wider_than_the_bore_is_a_fault(fit, kinds):
-    piston, block = (SimpleNamespace(body=SimpleNamespace(radius=r)) for r in (43e-3, 43e-3 + fit))
+    radii = 43e-3, 43e-3 + fit
+    piston, block = (SimpleNamespace(body=SimpleNamespace(radius=r, mass=0.3)) for r in radii)
     cold = {"is_hot": False}
     part = SimpleNamespace(modes=60, rigid=None, profiles=[], **cold)
     build = SimpleNamespace(piston=part, block=SimpleNamespace(**cold))

@@ -263,6 +263,31 @@ def test_gas_of_a_two_stroke_repeats_every_revolution(coarse):
         assert gas_pressure(table, (360 + angle) * DEG) == pytest.approx(1e5 * pressure)
 
 
+def test_units_in_the_header_of_a_table_agree_with_its_keys(coarse, gas_file):
+    folder, options = coarse
+    rows = gas_file.read_text().splitlines()[1:]
+    gas = {"file": str(gas_file), "angle_unit": "1 deg", "pressure_unit": "1.1 bar"}
+
+    def read(head):
+        gas_file.write_text("\n".join([head, *rows]))
+        return read_tables(read_options(options | {"gas": gas}, folder)).gas
+
+    for head in ("angle [deg],gauge pressure [bar]", "angle,p [bar gauge]", "phi,[p]"):
+        assert read(head).pressure.max() > 1e5
+    for head, message in (
+        (
+            "angle [deg],p [MPa]",
+            "pressure_unit near '1 MPa' as in the header, got '0.11 M",
+        ),
+        (
+            "angle [rad],p [bar]",
+            "angle_unit near '1 rad' as in the header, got '0.0175 ",
+        ),
+    ):
+        with pytest.raises(BadInput, match=message):
+            read(head)
+
+
 @pytest.mark.parametrize("first", [0.0, 7.0])
 def test_a_coarse_table_is_as_good_as_a_dense_one(first):
     """180 um of ovality by 24 angles and 20 um of barrel by 9 heights give an error of 0.01 um.

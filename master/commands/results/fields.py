@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ...results import fields_export as exports
-from ...results.instants import instant
+from ...results.instants import instant, instant_text
 from ..common import CsvFile, Moment, Whole, open_run, print_line
 
 
@@ -42,4 +42,5 @@ def command(
     moment = None if time is None else instant(results, time)
     blocks = [exports.chosen(exports.read_block(results, text), moment, i, j) for text in field]
     exports.write_csv(blocks, output, exports.grid_positions(case, results, blocks[0]))
-    print_line(f"fields   {output}")
+    at = "" if moment is None else f"   t = {instant_text(results, blocks[0].times[0])}"
+    print_line(f"fields   {output}{at}")

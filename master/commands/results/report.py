@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ...results.compare import agreement, read_measured
+from ...results.compare import agreement, outside_text, read_measured
 from ...runs.working import working
 from ..common import OutputFolder, console, open_runs, page_of, print_line
 
@@ -35,7 +35,11 @@ def command(
         shows no bodies.
     """
     described, runs = open_runs(files)
-    compared = agreement(runs, read_measured(measured)) if measured else None
+    columns = read_measured(measured) if measured else {}
+    compared = agreement(runs, columns) if columns else None
+    for results in runs.values() if columns else ():
+        if text := outside_text(results, columns):
+            print_line(text)
     with working(console, "drawing the page"):
         page = page_of(described, runs, output, source=case, measured=compared)
     print_line(f"report   {page}")
