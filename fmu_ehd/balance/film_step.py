@@ -416,8 +416,6 @@ def first_guess(full: Flags, equations: Equations):
 @compiled
 def solved(cells: FullCells, pressure: Array, balance: reynolds.Balance, equations: Equations):
     """Return the `FilmSolution` with its flows."""
-    filling = Filling(pressure, balance.film_fraction, equations.lift)
-    flow = flows.axial_flow(filling, equations.faces, equations.edges)
     domain = equations.domain
     spilled = np.zeros((0, 0))
     from_openings = 0.0
@@ -425,14 +423,14 @@ def solved(cells: FullCells, pressure: Array, balance: reynolds.Balance, equatio
         from_openings = balance.edge_flow[FIRST] + balance.edge_flow[LAST]
     elif domain.has_openings:
         spilled = openings.spilled(domain.open_cells, balance.flow_around)
-        from_openings = openings.inflow(domain.open_cells, flow, spilled)
+        from_openings = openings.inflow(domain.open_cells, balance.axial_flow, spilled)
     return FilmSolution(
         unknown=cells.unknown,
         pressure=pressure,
         film_fraction=balance.film_fraction,
         content=balance.content,
         full=cells.full,
-        axial_flow=flow,
+        axial_flow=balance.axial_flow,
         flow_around=balance.flow_around,
         edge_flow=balance.edge_flow,
         from_openings=from_openings,

@@ -104,8 +104,8 @@ class Balance(NamedTuple):
         As `Outflow.edges`.
     imbalance : float
         |inflow - growth| / throughput of the whole film [-].
-    flow_around : ndarray, shape (n_c + 1, n_a)
-        As `Outflow.around`.
+    axial_flow, flow_around : ndarray, shapes (n_c, n_a + 1) and (n_c + 1, n_a)
+        As `Outflow.axial` and `Outflow.around`.
     """
 
     film_fraction: Array
@@ -113,6 +113,7 @@ class Balance(NamedTuple):
     residual: Array
     edge_flow: Array
     imbalance: float
+    axial_flow: Array
     flow_around: Array
 
 
@@ -348,7 +349,7 @@ def balance(
     stored, content, area_per_step = storage
     fraction = 1.0 + deficit
     filling = Filling(pressure, fraction, lift)
-    out, edge_flow, gross, around = outflow(filling, faces, edges, cells.ring)
+    out, edge_flow, gross, axial, around = outflow(filling, faces, edges, cells.ring)
     now = np.empty_like(pressure)
     residual = np.empty_like(pressure)
     total = 0.0
@@ -384,5 +385,6 @@ def balance(
         residual=residual,
         edge_flow=edge_flow,
         imbalance=imbalance,
+        axial_flow=axial,
         flow_around=around,
     )
