@@ -12,7 +12,7 @@ import numpy as np
 from ..geometry.film import NodalForces
 from ..geometry.space import Levers, levers, slope_around
 from ..mechanism.cylinder import BODY
-from ..mechanism.floating_frame import TURN, Arrow, Y
+from ..mechanism.floating_frame import TURN, ArrowMatrix, Y
 from ..mechanism.generalised_alpha import Coefficients, Motion, predict
 from ..mechanism.impact import UNLIMITED, Inertia, limit_memory, longest_step
 from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING
@@ -128,7 +128,7 @@ class PistonInSpace(PistonInBore):
         self.coordinates = COORDINATES
         self.bodies = bodies
         self.around = tuple(slope_around(one.bore) for one in self.film_surfaces)
-        self.inertia = Arrow(inertia(bodies), np.zeros((0, COORDINATES)), np.zeros(0))
+        self.inertia = ArrowMatrix(inertia(bodies), np.zeros((0, COORDINATES)), np.zeros(0))
         self.with_rod = self.inertia._replace(top=self.inertia.top.copy())
         self.with_rod.top[:RIGID, :RIGID] += self.system.with_rod.top - self.system.inertia.top
 

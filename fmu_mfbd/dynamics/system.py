@@ -7,7 +7,7 @@ from ..geometry.arrays import Vector
 from ..geometry.pin_shapes import AxisShapes
 from ..mechanism.carrier import FIXED, Carrier
 from ..mechanism.chain import Chain
-from ..mechanism.floating_frame import Arrow, Y
+from ..mechanism.floating_frame import ArrowMatrix, Y
 from ..mechanism.generalised_alpha import Coefficients, Motion
 from ..mechanism.impact import Inertia
 from ..mechanism.slider_crank import CrankMotion, Mechanism
@@ -26,7 +26,7 @@ class BodySystem(NamedTuple):
         Chain of `mechanism.cylinder`.
     kinds : ndarray, shape (n,)
         Time integrator of each coordinate, as of `bdf2.reach_of`.
-    inertia, with_rod : Arrow
+    inertia, with_rod : ArrowMatrix
         `cylinder.motion_across` without and with the rod.
     shapes : AxisShapes
         Shapes of the pin.
@@ -45,8 +45,8 @@ class BodySystem(NamedTuple):
 
     chain: Chain
     kinds: Vector
-    inertia: Arrow
-    with_rod: Arrow
+    inertia: ArrowMatrix
+    with_rod: ArrowMatrix
     shapes: AxisShapes
     mechanism: Mechanism
     surfaces: Vector
