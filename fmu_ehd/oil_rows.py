@@ -1,6 +1,6 @@
 """Rows of cells along which sliding carries the oil, for `balance.transport`.
 
-Those of a skirt lie along its axis, and those of a bearing around it.
+The rows of a skirt are along its axis, and those of a bearing around the circumference.
 """
 
 import numpy as np
@@ -20,8 +20,8 @@ from .common.grid import (
     Edges,
     Flags,
     images,
-    in_plenty,
     keep,
+    unlimited_supply,
 )
 from .common.quantities import CARRIERS, CONDUCTIVITY, CONDUCTIVITY_C, STORED, TRANSPORT
 from .step_parts import PreviousFilm
@@ -62,10 +62,10 @@ def _rows_of_each(fields: Array, order: np.ndarray):
 
 @compiled
 def _overlap(before: PreviousFilm, ratio: float, cells: Cells):
-    """Return the cells by which the rows of a ring overlap at both ends, so its lift has no seam.
+    """Return the cells by which the rows of a ring overlap at both ends.
 
-    An explicit step looks four cells upstream. The film that is expected may need one step more
-    than the last one.
+    Each explicit step uses four cells upstream. The expected film may need one step more than the
+    last film.
     """
     n_c, n_a = before.unknown.shape
     farthest = 0.0
@@ -112,7 +112,7 @@ def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, doma
     if not cells.ring:
         fraction[LOWER] = edges.film_fraction[FIRST]
         fraction[UPPER] = edges.film_fraction[LAST]
-    ends = Edges(edges.pressure, fraction, in_plenty(rows.unknown.shape))
+    ends = Edges(edges.pressure, fraction, unlimited_supply(rows.unknown.shape))
     turned = Cells(cells.dy, cells.dx, False, False)
     lifted = _lift_of_rows(rows, open_cells, pace, ends, step, turned, False)
     around = np.empty((n_c + 1, n_a))

@@ -38,7 +38,7 @@ a cell fills or empties, f >= 0, and the matrix is a column-dominant M-matrix. I
 centre (d/2), with the film of their cell.
 
 Arrays have the shape (n_c, n_a) of the grid; faces (n_c + 1, n_a) across i and (n_c, n_a + 1)
-across j. Face i lies between cells i - 1 and i. All functions are pure, but for `hold`.
+across j. Face i is between cells i - 1 and i. All functions are pure, except `hold`.
 
 References
 ----------
@@ -375,8 +375,7 @@ def balance(
             volume += alike * stored[i, j]
             total += growth
             throughput += abs(growth)
-    # round-off of pressures and film fractions says nothing about a film in which next to nothing
-    # moves
+    # the floor is for films almost without flow, whose imbalance is round-off
     floor = max(LEAST_THROUGHPUT * gross, LEAST_THROUGHPUT * area_per_step * volume, 1e-300)
     imbalance = abs(inflow - total) / max(throughput, floor)
     return Balance(

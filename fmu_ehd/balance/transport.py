@@ -183,7 +183,7 @@ def _row_flow(amount, i, film, steps, known_volume, flow):
     It is one of `steps`, Eqs. (T12) to (T14).
 
     amount : of the cells of the row, content [m], or film fraction in a cell without a film;
-    known_volume : passes the faces in all steps where transport does not say it [m3].
+    known_volume : passes the faces in all steps where it does not follow from transport [m3].
     """
     stored, mobile, between, travel, full, blocked, supply, widths = film
     width = widths[i]
@@ -240,7 +240,7 @@ def _lift_in_row(i, film, through, amount, past, pace, length, fraction):
         if not at_edge and film.blocked[i, down]:
             continue
         swept = film.width[i] * x * film.between[i, j]
-        # a last flow that pressure drove is none of transport
+        # the bounds remove a last flow by pressure
         last = min(max(pace.ratio * past.passed[i, j] / swept, 0.0), 1.0) * swept / pace.ratio
         reached = min(amount[up] / film.stored[i, up], 1.0)
         # Eq. (T11)
@@ -276,7 +276,7 @@ def _lift_at_fronts(i, film, last_volume, through, content, past, area, fraction
         while 0 <= upstream < n_a and not film.blocked[i, upstream]:
             if content[cell] <= film.stored[i, cell]:
                 break
-            # the cell fills in this step: the front goes on
+            # the cell fills in this step, and the front moves on
             flow += (film.stored[i, cell] - stored_before[i, cell]) * area
             cell = upstream
             upstream -= onward

@@ -1,4 +1,4 @@
-"""Energy of the motion across the bore: what the bodies hold, and what a step gave them."""
+"""Energy of the motion across the bore at the end of a step, and its change in the step."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from ..mechanism.solution import arrow_product
 
 
 class EnergyLedger(NamedTuple):
-    """Energies at the end of a step, and what came in over it.
+    """Energies at the end of a step, and works during the step.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class EnergyLedger(NamedTuple):
     axial_work : float
         Part of `film_work` along the bore's axis [J].
     accounted : float
-        `kinetic` and what the rod holds by the motion of x_A (Eq. (K12)) [J].
+        `kinetic` and that of the rod by the motion of x_A (Eq. (K12)) [J].
     """
 
     kinetic: float

@@ -255,8 +255,8 @@ class PistonInSpace(PistonInBore):
     ) -> SpaceSolution:
         """Solve Eq. (D27) for the accelerations at the end of a step, by Newton's method.
 
-        If the next change is no smaller than a change, that change is halved, and where changes
-        fall slowly the tangent is recomputed, as in `mechanism.solution`.
+        If the next change is not smaller than the last one, the last one is halved. If changes
+        decrease slowly, the tangent is recomputed, as in `mechanism.solution`.
         """
         predicted = predict(c, before, auxiliary)
         acceleration = before.acceleration.copy()
@@ -278,7 +278,7 @@ class PistonInSpace(PistonInBore):
             next_change = np.linalg.solve(slope, forces.residual)
             size = np.abs(acceleration).max()
             left = np.abs(next_change).max()
-            # what grows again, or does not fall by ten, is round-off of forces that cancel
+            # a change that does not decrease tenfold is round-off of forces that cancel
             if left <= 1e-13 * size or (change <= 1e-7 * size and left >= 0.1 * change):
                 return SpaceSolution(
                     load=load,
@@ -378,5 +378,5 @@ class PistonInSpace(PistonInBore):
 
 
 def on_cells(fields: Iterable[np.ndarray]) -> np.ndarray:
-    """Return fields of all surfaces, stacked."""
+    """Return the fields of all surfaces in one array."""
     return np.concatenate([field.ravel() for field in fields])

@@ -404,7 +404,7 @@ def floats(chain: Chain) -> bool:
 
 @compilable
 def film_of(chain: Chain, shell: int) -> int:
-    """Return the number of the film of the crank in the rod or the block, `NONE` without it."""
+    """Return the number of the film of the crank in the rod or the block, or `NONE`."""
     elements = chain.elements
     for e in range(len(elements.play)):
         of_crank = elements.acts[e] == BODY.crank and elements.reacts[e] == shell

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from .angles import add_angle_row_changes
-from .carrier import FIXED, Carrier
+from .carrier import FIXED, BlockMotion
 from .chain import Chain, Loads
 from .equations import (
     ChainForces,
@@ -217,7 +217,7 @@ class PushedForces(NamedTuple):
 
 @compilable
 def pushed_forces(
-    chain: Chain, forces: ChainForces, now: Motion, loads: Loads, carrier: Carrier
+    chain: Chain, forces: ChainForces, now: Motion, loads: Loads, carrier: BlockMotion
 ) -> PushedForces:
     """Compute the derivative of all forces in a direction of loads and of a given block's motion.
 
@@ -227,7 +227,7 @@ def pushed_forces(
     forces : ChainForces
     now : Motion
         Motion in all m + k coordinates.
-    loads, carrier : Loads, Carrier
+    loads, carrier : Loads, BlockMotion
         The direction.
 
     Returns

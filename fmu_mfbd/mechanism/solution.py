@@ -11,7 +11,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Matrix
-from .carrier import Carrier
+from .carrier import BlockMotion
 from .chain import REACTION, Bodies, Chain, Loads
 from .derivative import chain_derivative
 from .elimination import LUFactors, factorise, substitute
@@ -100,7 +100,7 @@ def solve_motion(
     guess: np.ndarray,
     by: Increments,
     drive: CrankMotion,
-    carrier: Carrier,
+    carrier: BlockMotion,
 ) -> ChainSolution:
     """Solve for the unknowns at the end of a step that fulfil the equations of motion.
 
@@ -352,7 +352,7 @@ def arrow_product(arrow: ArrowMatrix, x: np.ndarray) -> np.ndarray:
 def solve_coupled(
     bodies: Bodies,
     at: ChainMotion,
-    carrier: Carrier,
+    carrier: BlockMotion,
     by: Increments,
     factors: ChainFactors,
     right: np.ndarray,
@@ -368,7 +368,7 @@ def solve_coupled(
     ----------
     bodies, at, by
         As for the tangent.
-    carrier : Carrier
+    carrier : BlockMotion
         Motion of the block.
     factors : ChainFactors
     right : ndarray, shape (m + k,)
@@ -400,7 +400,7 @@ def solve_coupled(
 
 @compilable
 def mode_coupling(
-    bodies: Bodies, at: ChainMotion, carrier: Carrier, by: Increments, unknowns: np.ndarray
+    bodies: Bodies, at: ChainMotion, carrier: BlockMotion, by: Increments, unknowns: np.ndarray
 ) -> np.ndarray:
     """Return the coupling of modes, which `chain_derivative` omits, times unknowns.
 
@@ -410,7 +410,7 @@ def mode_coupling(
     ----------
     bodies, at, by
         As for the tangent.
-    carrier : Carrier
+    carrier : BlockMotion
         Motion of the block.
     unknowns : ndarray, shape (m + k,)
 

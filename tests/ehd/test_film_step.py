@@ -5,7 +5,7 @@ from piston_cosim.fmu_ehd.balance import flows, reynolds
 from piston_cosim.fmu_ehd.balance.flows import Filling
 from piston_cosim.fmu_ehd.balance.storage import EulerStep
 from piston_cosim.fmu_ehd.common.faults import NotConverged
-from piston_cosim.fmu_ehd.common.grid import Edges, Entrainment, in_plenty
+from piston_cosim.fmu_ehd.common.grid import Edges, Entrainment, unlimited_supply
 from piston_cosim.fmu_ehd.laws import cavitation
 from piston_cosim.fmu_ehd.parameters import Parameters
 from piston_cosim.tests.verification.cases.film import flow_film
@@ -20,7 +20,9 @@ def problem(ring, seed=0, shape=(7, 9)):
     rng = np.random.default_rng(seed)
     grid = Grid(shape, 7e-3, 9e-3, ring)
     edges = Edges(
-        np.array([1e4, 0.0, 2e4, 0.0, 0.0]), np.array([0.9, 0.6, 1.0, 0.5, 1.0]), in_plenty(shape)
+        np.array([1e4, 0.0, 2e4, 0.0, 0.0]),
+        np.array([0.9, 0.6, 1.0, 0.5, 1.0]),
+        unlimited_supply(shape),
     )
     film = 2e-6 * (1.0 + 3.0 * rng.random(shape))
     across, along = rng.standard_normal((2, *shape))
