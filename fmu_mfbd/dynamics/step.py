@@ -226,7 +226,7 @@ def instant_of(model: BodyModel, step: StepProblem, inputs: StepInputs) -> Insta
     return end_of_step(model.parts, step, inputs.skirt, inputs.pins)
 
 
-class ThermalEffect(NamedTuple):
+class HeatEffect(NamedTuple):
     """Effect of the walls' temperatures on the films of the skirt at the end of a step.
 
     Parameters
@@ -248,9 +248,9 @@ class ThermalEffect(NamedTuple):
 
 
 @compilable
-def thermal_effect(
+def heat_effect(
     model: BodyModel, before: PistonState, inputs: StepInputs, guide_height: float
-) -> ThermalEffect:
+) -> HeatEffect:
     """Return the effect of the temperatures; A is at `guide_height` above the crank axis [m]."""
     surfaces, p = model.parts.surfaces, model.settings
     skirt = level_of(inputs.fields.skirt, inputs.piston_temperature)
@@ -264,9 +264,7 @@ def thermal_effect(
     if len(growth) > 0 and len(before.field_growth) > 0:
         warmed = before.field_growth, growth
         work += field_work(surfaces, model.cold, force, guide_height, *warmed)
-    return ThermalEffect(
-        opening, growth, work, oil_temperatures(surfaces, guide_height, skirt, bore)
-    )
+    return HeatEffect(opening, growth, work, oil_temperatures(surfaces, guide_height, skirt, bore))
 
 
 @compilable
@@ -301,22 +299,22 @@ def result_of(
     torque = now.torque + settings.crank_inertia * crank.acceleration
     jerk = 0.0
     if settings.crank_free != 0.0:
-        freed = free_crank_acceleration(model, last, crank, torque + inputs.load_torque)
+        freed = free_acceleration(model, last, crank, torque + inputs.load_torque)
         if step.coefficients.step > 0.0:
             jerk = (freed - before.crank_acceleration) / step.coefficients.step
         crank = CrankMotion(crank.angle, crank.speed, freed)
         torque = -inputs.load_torque
     steps = before.steps if step.coefficients.step == 0.0 else before.steps + 1
-    thermal = thermal_effect(model, before, inputs, now.guide_height)
-    opening = thermal.opening
+    heat = heat_effect(model, before, inputs, now.guide_height)
+    opening = heat.opening
     for k in range(len(now.films.film_thickness)):
         now.films.film_thickness[k] += opening
-    grown = opening, thermal.growth
+    grown = opening, heat.growth
     state = state_at(before, step.coefficients.step, now, crank, jerk, time, steps, grown)
     energy = EnergyAccount(now.ledger.axial_work, now.ledger.accounted, 0.0)
     warm_work = 0.0
     if steps > 0:
-        warm_work = thermal.work
+        warm_work = heat.work
         energy = account(
             (before.kinetic, state.kinetic),
             state.position - before.position,
@@ -330,7 +328,7 @@ def result_of(
         scalars=scalars_of(now, step, (torque, inertia), energy, system, (opening, warm_work)),
         state=state,
         last=last,
-        oil_temperature=thermal.oil,
+        oil_temperature=heat.oil,
     )
 
 
@@ -355,9 +353,7 @@ def _add_slopes_of_bore(model, last, pressure):
 
 
 @compilable
-def free_crank_acceleration(
-    model: BodyModel, last: StepEnd, crank: CrankMotion, torque: float
-) -> float:
+def free_acceleration(model: BodyModel, last: StepEnd, crank: CrankMotion, torque: float) -> float:
     """Return the acceleration at which the torques on a free crank balance [rad/s2].
 
     Eq. (K9):  torque(w') + load_torque = 0,   torque linear in w'
@@ -471,7 +467,7 @@ def films_at(
     load = load_of(of, total_forces(parts), others_at(model, inputs, crank))
     loads = loads_at(of.chain, applied_forces(of, load, inputs.pins, pushes), at, end)
     pins = pin_films(of, inputs.pins, pushes, loads, at, end)
-    opening = thermal_effect(model, before, inputs, guide.height).opening
+    opening = heat_effect(model, before, inputs, guide.height).opening
     return PlacedFilms(
         FilmChange(skirt.film_thickness + opening, skirt.sliding_velocity),
         FilmChange(pins.film_thickness, pins.circumferential_velocity),
