@@ -51,8 +51,8 @@ LOAD = Variable("load", "N", "input", "Force on a journal along x and y", shape=
 class Film:
     """The oil film between a skirt and its bore, without bodies: arrays in, arrays out, SI.
 
-    The grid lies on the developed skirt: index i around it, which closes on itself, j along the
-    axis from the lower edge to the upper one. Film thickness and sliding velocity are those at the
+    The grid is on the developed skirt: index i is around it, and j along the axis from the lower
+    to the upper edge. Film thickness and sliding velocity are those at the
     end of a step, as in the interface of the FMU.
 
     Parameters
@@ -62,7 +62,7 @@ class Film:
     open_cells : ndarray of bool, shape `grid`, optional
         True for cells without skirt, which have no film.
     surface : str
-        "skirt", or "bearing": a journal in its shell, on which the grid rests then.
+        "skirt", or "bearing": a journal in its shell, to which the grid is fixed.
     oil : str, optional
         Oil of the library, as in a case: `piston-cosim keys oil` lists them. Its values are the
         defaults of `parameters`.
@@ -109,7 +109,15 @@ class Film:
     ):
         if surface not in SURFACES:
             raise BadInput(f"surface: {unknown('surface', surface, SURFACES)}")
-        values = _library_oil(oil) | read(parameters, KNOWN, "parameter")
+        values: dict[str, Any] = {}
+        if oil is not None:
+            from .build import library_oil  # it imports pydantic
+
+            oil_faults: list[str] = []
+            values |= library_oil(oil, oil_faults)
+            if oil_faults:
+                raise BadInput(oil_faults)
+        values |= read(parameters, KNOWN, "parameter")
         shape = cells_of(grid)
         cells = openings_of(shape, open_cells)
         chosen = parameters_of(values, shape=shape, open_cells=cells, surface=surface)
@@ -125,7 +133,7 @@ class Film:
         self._remark = ""  # of the last start
         self._warned: set[str] = set()
         self.state: Memory | None = None
-        """All that the next step needs of the past; setting it back repeats a step, bit for bit."""
+        """State of the film. Set an earlier one to repeat a step with the same bits."""
 
     def __repr__(self) -> str:
         around, along = self.grid
@@ -187,14 +195,14 @@ class Film:
         circumferential_velocity: Array | float | str | None = None,
         **conditions: Any,
     ) -> dict[str, Any]:
-        """Take one step of length `step` [s] to the given film and velocity; otherwise as `start`.
+        """Take a step of length `step` [s] to a film thickness and velocity; inputs as of `start`.
 
         Raises
         ------
         BadInput
-            As `start`, before `start`, or for a step that is not positive.
+            As `start`, if `start` was not called, or if the step is not positive.
         Discard
-            If the film has no solution; the state is as before then.
+            If the film has no solution. The state remains as it was.
         """
         if self.state is None:
             raise BadInput("film: expected a call of start before step, got none")
@@ -218,8 +226,8 @@ class Film:
     ) -> dict[str, Any]:
         """Return the outputs of the steady film for a fixed film thickness and velocity.
 
-        The film starts full. Steps of 1e9 s follow until pressure and film fraction stay. A step
-        without solution is repeated with a shorter one, which then grows again.
+        The film starts full. Steps of 1e9 s follow until pressure and film fraction do not
+        change. A step without solution is repeated with a shorter one, which then grows again.
 
         Parameters
         ----------
@@ -285,7 +293,7 @@ class Film:
         ----------
         load : (float or str, float or str), or None
             Force on the journal along x, to the cell i = 0, and y, a quarter of a revolution
-            further [N]. None: the journal does not move, and only its shells yield.
+            further [N]. None: the journal does not move, and only its shells deflect.
         clearance : float, str or ndarray, shape `grid`
             Film thickness of a centred journal and rigid shells [m]. If `load` is None, of the
             journal in its position.
@@ -331,13 +339,13 @@ class Film:
         loads = {} if load is None else dict(load=load)
         gap = replace(self._inputs["film_thickness"], name="clearance")
         values = read(dict(clearance=clearance) | loads, dict(clearance=gap, load=LOAD), "input")
-        free, force = values["clearance"], values.get("load")
+        centred, force = values["clearance"], values.get("load")
         if force is not None and not np.any(force):
             raise BadInput("load: expected two forces [N] that are not both 0, got 0 and 0 N")
-        if not free.min() > 0.0:
-            raise BadInput(f"clearance: expected more than 0 m, got {free.min():g} m")
+        if not centred.min() > 0.0:
+            raise BadInput(f"clearance: expected more than 0 m, got {centred.min():g} m")
         sliding = conditions.pop("sliding_velocity", None)
-        inputs = self._read(free, sliding, circumferential_velocity, conditions)
+        inputs = self._read(centred, sliding, circumferential_velocity, conditions)
         self._check_steady(inputs)
         if force is not None and self._is_idle(inputs):
             raise BadInput(
@@ -400,15 +408,8 @@ class Film:
                 f"sector_angle: expected a full revolution for an equilibrium, got {sector:.4g} rad"
             )
         for shell in shells:
-            if not all(hasattr(shell, name) for name in ("omega", "outward", "onward")):
-                raise BadInput(
-                    "shells: expected modes such as elastic_shell of fmu_mfbd.shell.build returns "
-                    f"them, got {type(shell).__name__}; FMUs are not supported"
-                )
-            if shell.outward.shape != (*self.grid, len(shell.omega)):
-                raise BadInput(
-                    f"shells: expected modes on {self.grid} cells, got {shell.outward.shape}"
-                )
+            if fault := journal.shell_fault(shell, self.grid):
+                raise BadInput(fault)
 
     def _check_steady(self, inputs: dict[str, Any]) -> None:
         """Raise BadInput if the oil supply follows the stroke, or if there is none."""
@@ -465,7 +466,7 @@ class Film:
     def _settle_from(
         self, state: Memory, outputs: dict[str, Any], tolerance: float, inputs: dict[str, Any]
     ) -> None:
-        """Settle a film from a state; a bearing without lift if it does not stay with it."""
+        """Settle a film from a state; a bearing without lift if it does not settle with it."""
         self.state = state
         try:
             self._settle(outputs, tolerance, inputs)
@@ -519,7 +520,7 @@ class Film:
     ) -> tuple[Array, ...]:
         """Return the exact change of the nodal forces for a change of the inputs of the last step.
 
-        The inputs change at its end [m], [m/s]. The result holds `nodal_pressure_force` and
+        The inputs change at its end [m], [m/s]. The result contains `nodal_pressure_force` and
         `nodal_friction_force` [N], of a bearing also `nodal_circumferential_force`.
         """
         turning = dcircumferential_velocity
@@ -595,16 +596,3 @@ def _change(before: Mapping[str, Any], after: Mapping[str, Any]) -> float:
     largest = max(np.abs(after["pressure"]).max(), PRESSURE_SCALE)
     pressure = np.abs(after["pressure"] - before["pressure"]).max() / largest
     return max(pressure, np.abs(after["film_fraction"] - before["film_fraction"]).max())
-
-
-def _library_oil(name: str | None) -> dict[str, Any]:
-    """Return the parameters of an oil of the library in SI; BadInput if it is unknown."""
-    if name is None:
-        return {}
-    from .build import library_oil  # it imports pydantic
-
-    faults: list[str] = []
-    values: dict[str, Any] = library_oil(name, faults)
-    if faults:
-        raise BadInput(faults)
-    return values

@@ -41,7 +41,7 @@ class CaseOptions(BaseModel):
     """
     mask: str | list[list[int]] | None = None
     """Mask of the film: a CSV file relative to the case folder, or its rows, one per
-    circumferential cell. 1: film, 0: cut-out. "none": film everywhere. Default: mask of the body's
+    circumferential cell. 1: film, 0: opening. "none": film everywhere. Default: mask of the body's
     mesh.
     """
 
@@ -282,7 +282,7 @@ def _mask(chosen: CaseOptions, folder: Path, faults: list[str]) -> list[list[int
         expected = " x ".join(map(str, chosen.grid))
         faults.append(f"{shown}: expected the grid's {expected} cells, got {shape}")
     elif not np.isin(mask, (0.0, 1.0)).all():
-        faults.append(f"{shown}: expected 1 for film and 0 for cut-out, got other values")
+        faults.append(f"{shown}: expected 1 for film and 0 for opening, got other values")
     elif not mask.any():
         faults.append(f"{shown}: expected a film in at least one cell, got none")
     return mask.astype(int).tolist()

@@ -26,8 +26,8 @@ from .laws.asperity import CONTACT_LAWS, contact_constants, contact_table
 from .laws.oil import thinning_law
 from .summary import Halves, halves
 
-# entrainment velocity in the frame of the grid, which rides on the skirt or rests on the shell of a
-# bearing, to the sliding velocity
+# ratio of the entrainment velocity to the sliding velocity, in the frame of the grid, which is
+# fixed to the skirt or to the shell of a bearing
 SHARE_OF_A_SKIRT = -0.5
 SHARE_OF_A_BEARING = 0.5
 
@@ -75,7 +75,7 @@ def tables_of(open_cells: Flags, bearing: bool, mirrored: bool = False) -> Table
     Parameters
     ----------
     open_cells : ndarray of bool, shape (n_f, n_a)
-        Cells of the whole film that have no film.
+        Cells of the whole grid that have no film.
     bearing : bool
     mirrored : bool
         Whether the grid is one half of the film, `parameters.has_image`. Its first row is on the
@@ -110,7 +110,7 @@ def first_row(tables: Tables) -> int:
 
 @compilable
 def images_of(tables: Tables) -> Array:
-    """Return the number of cells of the film that each cell represents, 0 in cut-outs."""
+    """Return the number of cells of the film that each cell represents, 0 in openings."""
     n_c, n_a = tables.open_cells.shape
     number = np.zeros((n_c, n_a))
     for i in range(n_c):
@@ -162,7 +162,7 @@ def on_grid(tables: Tables, has_openings: bool, fields: Array) -> Array:
     """
     if is_mirrored(tables):
         fields = _even_part(tables.rows, len(tables.open_cells), fields)
-    return openings.filled(tables.nearest_cell, fields) if has_openings else fields
+    return openings.with_nearest_values(tables.nearest_cell, fields) if has_openings else fields
 
 
 @compilable

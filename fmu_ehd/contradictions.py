@@ -25,7 +25,7 @@ from .common.grid import (
     Edges,
     Entrainment,
     Flags,
-    in_plenty,
+    unlimited_supply,
 )
 from .laws.cavitation import CAVITATION, Cavitation
 from .laws.oil import VISCOSITY_LAWS
@@ -84,7 +84,7 @@ def edges_of(
     fraction[LOWER] = below
     pressure[UPPER] = outside.upper
     fraction[UPPER] = x.film_fraction_upper_edge
-    return Edges(reduced_at_edges(law, pressure), fraction, in_plenty(shape))
+    return Edges(reduced_at_edges(law, pressure), fraction, unlimited_supply(shape))
 
 
 @compilable
@@ -146,7 +146,7 @@ def check_parameters(
 ) -> None:
     """Note contradictions between parameters, except those of the oil x.
 
-    `bearing`, `cut_outs` and `has_image` state whether the film is that of a bearing, has cut-outs,
+    `bearing`, `cut_outs` and `has_image` state whether the film is that of a bearing, has openings,
     and has cells that are their own mirror image.
     """
     if chosen.film_symmetry == THRUST_PLANE and not has_image:

@@ -14,12 +14,12 @@ Newton's method solves Eq. (E16) with the exact tangent of the steady film, and 
 
 Eq. (E17):  (dR/dq - 4 r/r_max) dq = -R,   R_k = sum of p O_k - f T_k - q_k,   r = |R|
 
-r_max is the largest r so far. This is a step of dq/dt = R whose length grows as R vanishes
-[Kelley1998]. Without damping, soft shells can end in a balance that they do not reach from rest, or
-in none.
+r_max is the largest r so far. This is an implicit step of dq/dt = R, whose length grows as R
+decreases [Kelley1998]. Without damping, soft shells can converge to a balance that they do not
+reach from rest, or diverge.
 
-If that fails, the search starts again at other positions, because a journal near an opening can end
-at the wall.
+If that fails, the search starts again at other positions. Near an opening, Newton's method can
+move the journal into the shell.
 
 Stiffness and damping refer to a small motion about the balance, with shells that follow:
 
@@ -84,6 +84,18 @@ class ElasticShell(Protocol):
     def onward(self) -> Array: ...
 
 
+def shell_fault(shell: ElasticShell, grid: tuple[int, int]) -> str:
+    """Return a sentence if an elastic shell does not have modes on the cells of a grid, else ""."""
+    if not all(hasattr(shell, name) for name in ("omega", "outward", "onward")):
+        return (
+            "shells: expected modes such as elastic_shell of fmu_mfbd.shell.build returns, got "
+            f"{type(shell).__name__}; FMUs are not supported"
+        )
+    if shell.outward.shape != (*grid, len(shell.omega)):
+        return f"shells: expected modes on {grid} cells, got {shell.outward.shape}"
+    return ""
+
+
 class Shapes(NamedTuple):
     """Shapes in which the film thickness changes, and the forces against them.
 
@@ -121,14 +133,15 @@ class SettledFilm(NamedTuple):
 class Balance(NamedTuple):
     """Coordinates of the shapes, their film, and the forces out of balance.
 
-    coordinates, push, missing : ndarray, shape (m,), of the shapes, force of the film, and R;
+    coordinates, push, residual : ndarray, shape (m,), of the shapes, force of the film, and R of
+    Eq. (E17);
     thickness : ndarray, shape (n_c, n_a), film thickness [m];
     film : SettledFilm.
     """
 
     coordinates: Array
     push: Array
-    missing: Array
+    residual: Array
     thickness: Array
     film: SettledFilm
 
@@ -206,10 +219,10 @@ def shapes_of(
     opened = [(one.outward / one.omega).reshape(cells, -1) for one in shells]
     turned = [(one.onward / one.omega).reshape(cells, -1) for one in shells]
     sides = np.hstack([first[0], *opened]), np.hstack([first[-1], *turned])
-    at_rest = np.zeros(0) if load is None else load
-    elastic = np.ones(sides[0].shape[1] - len(at_rest))
-    padded = np.concatenate([at_rest, 0.0 * elastic])
-    return Shapes(*sides, padded, np.concatenate([0.0 * at_rest, elastic]))
+    external = np.zeros(0) if load is None else load
+    elastic = np.ones(sides[0].shape[1] - len(external))
+    padded = np.concatenate([external, 0.0 * elastic])
+    return Shapes(*sides, padded, np.concatenate([0.0 * external, elastic]))
 
 
 def by_shapes(
@@ -289,7 +302,7 @@ class Search(NamedTuple):
         Raises
         ------
         NotConverged
-            If no position carries the load; that of the first search.
+            If no position carries the load; the error of the first search.
         """
         starts = (
             ((START_ECCENTRICITY, 0.0), *OTHER_STARTS)
@@ -323,16 +336,16 @@ class Search(NamedTuple):
         for _ in range(MOST_POSITIONS):
             if self._unbalanced(at) <= self.tolerance:
                 return at
-            unbalanced = float(np.linalg.norm(at.missing[elastic]))
+            unbalanced = float(np.linalg.norm(at.residual[elastic]))
             most = max(most, unbalanced)
             damping = LARGEST_DAMPING * unbalanced / most * shapes.stiffness
             damped = at.film.by_shape - np.diag(damping)
-            change = np.linalg.solve(damped, -at.missing)  # Eq. (E17)
+            change = np.linalg.solve(damped, -at.residual)  # Eq. (E17)
             part = self._part(at, change)
             at = self._at(at.coordinates + part * change, at.film.state)
         free = shapes.stiffness == 0.0
         raise NotConverged(
-            f"{NOT_CARRIED}: forces {at.missing[free]} N remain at {at.coordinates[free]} m"
+            f"{NOT_CARRIED}: forces {at.residual[free]} N remain at {at.coordinates[free]} m"
         )
 
     def _at(self, coordinates: Array, state: Memory) -> Balance:
@@ -342,8 +355,8 @@ class Search(NamedTuple):
         film = self.settled(thickness, state)
         forces = (film.outputs[f"nodal_{name}_force"] for name in ("pressure", "circumferential"))
         push = shapes.push(*forces)
-        missing = push + shapes.load - shapes.stiffness * coordinates  # Eq. (E16)
-        return Balance(coordinates, push, missing, thickness, film)
+        residual = push + shapes.load - shapes.stiffness * coordinates  # Eq. (E16)
+        return Balance(coordinates, push, residual, thickness, film)
 
     def _unbalanced(self, at: Balance) -> float:
         """Return the larger share of a load out of balance, of the journal and its shells [-]."""
@@ -351,7 +364,7 @@ class Search(NamedTuple):
         sizes = np.linalg.norm(self.shapes.load), np.linalg.norm(at.push[~free])
         tiny = np.finfo(float).tiny
         return max(
-            float(np.linalg.norm(at.missing[one])) / max(float(size), tiny)
+            float(np.linalg.norm(at.residual[one])) / max(float(size), tiny)
             for one, size in zip((free, ~free), sizes)
         )
 

@@ -197,7 +197,7 @@ class LubricationModel:
     ) -> tuple[Array, ...]:
         """Return the change of the forces at the end of the last step for changed inputs there.
 
-        The state at its beginning is held.
+        The state at its beginning is constant.
 
         Parameters
         ----------

@@ -1,8 +1,8 @@
 """Lubrication FMU that needs no Python: its entries, its memory and its limits.
 
-An entry takes the slave's real and integer variables, as `master.fmi.slave` lays them out, and its
-memory of float64 numbers. What is done with it is the model's own text, so every number has the
-same bits; viscosities differ by the last bit of exp and log where the C library does.
+An entry takes the real and integer variables of the FMU, in the layout of `master.fmi.slave`, and
+its memory of float64 numbers. It runs the source of the model, so every number has the same bits.
+Viscosities differ by the last bit of exp and log if the C library does.
 """
 
 from collections.abc import Iterable, Mapping
@@ -351,7 +351,7 @@ def _start(real, integer, memory):
 def advance(real: Array, integer: Array, memory: Array, numbers: Array):
     """Take a step; the first of `numbers` is its length [s].
 
-    If the step is rejected, the fault is noted and the state stays.
+    If the step is rejected, the fault is noted and the state does not change.
     """
     _advance(real, integer, memory, numbers)
     _show_rows(memory)

@@ -1,9 +1,7 @@
 """Rows of cells along which sliding carries the oil, for `balance.transport`.
 
-Those of a skirt lie along its axis, and those of a bearing around it.
+The rows of a skirt are along its axis, and those of a bearing around the circumference.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,25 +20,11 @@ from .common.grid import (
     Edges,
     Flags,
     images,
-    in_plenty,
     keep,
+    unlimited_supply,
 )
 from .common.quantities import CARRIERS, CONDUCTIVITY, CONDUCTIVITY_C, STORED, TRANSPORT
 from .step_parts import PreviousFilm
-
-
-class PastRows(NamedTuple):
-    """Past of a film along the rows of `balance.transport`, as in `PreviousFilm`."""
-
-    unknown: Array
-    content: Array
-    growth: Array
-    film: Array
-    film_before: Array
-    passed: Array
-    travel: Array
-    open_cells: Flags
-    step: float
 
 
 @compiled
@@ -78,10 +62,10 @@ def _rows_of_each(fields: Array, order: np.ndarray):
 
 @compiled
 def _overlap(before: PreviousFilm, ratio: float, cells: Cells):
-    """Return the cells by which the rows of a ring overlap at both ends, so its lift has no seam.
+    """Return the cells by which the rows of a ring overlap at both ends.
 
-    An explicit step looks four cells upstream. The film that is expected may need one step more
-    than the last one.
+    Each explicit step uses four cells upstream. The expected film may need one step more than the
+    last film.
     """
     n_c, n_a = before.unknown.shape
     farthest = 0.0
@@ -89,8 +73,7 @@ def _overlap(before: PreviousFilm, ratio: float, cells: Cells):
         for j in range(n_a):
             faster = 0.0
             for k in ((i - 1) % n_c, i % n_c):
-                here = before.film[TRANSPORT, k, j] / before.film[STORED, k, j]
-                faster = max(faster, here)
+                faster = max(faster, before.film[TRANSPORT, k, j] / before.film[STORED, k, j])
             farthest = max(farthest, abs(before.travel[i, j]) * ratio / cells.dx * faster)
     steps = np.ceil(min(farthest, transport.FARTHEST) / transport.LARGEST_COURANT) + 1.0
     return 4 * int(steps) + 2
@@ -101,18 +84,7 @@ def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, doma
     """Return the lift of the film fraction, `transport.lift`, from the past alone."""
     cells = domain.cells
     if not domain.bearing:
-        rows = PastRows(
-            unknown=before.unknown,
-            content=before.content,
-            growth=before.growth,
-            film=before.film,
-            film_before=before.film_before,
-            passed=before.passed,
-            travel=before.travel,
-            open_cells=domain.open_cells,
-            step=before.step,
-        )
-        return _lift_of_rows(rows, pace, edges, step, cells, True)
+        return _lift_of_rows(before, domain.open_cells, pace, edges, step, cells, True)
     n_c, n_a = before.unknown.shape
     travel = before.travel * pace.ratio
     margin = _overlap(before, pace.ratio, cells) if cells.ring else 0
@@ -120,24 +92,29 @@ def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, doma
     for k in range(faces.size):
         faces[k] = (k - margin) % n_c if cells.ring else k
     order = faces[:-1]
-    rows = PastRows(
+    rows = PreviousFilm(
         unknown=_rows(before.unknown, order),
+        unknown_before=before.unknown_before,  # not used by the transport, as the next ones
+        pressure=before.pressure,
+        growth_before=before.growth_before,
+        deflection=before.deflection,
         content=_rows(before.content, order),
         growth=_rows(before.growth, order),
         film=_rows_of_each(before.film, order),
         film_before=_rows_of_each(before.film_before, order),
         passed=_rows(before.passed, faces),
         travel=_rows(before.travel, faces),
-        open_cells=_rows(domain.open_cells, order),
         step=before.step,
     )
+    open_cells = _rows(domain.open_cells, order)
     fraction = np.ones(5)
     fraction[OPENINGS] = edges.film_fraction[OPENINGS]
     if not cells.ring:
         fraction[LOWER] = edges.film_fraction[FIRST]
         fraction[UPPER] = edges.film_fraction[LAST]
-    ends = Edges(edges.pressure, fraction, in_plenty(rows.unknown.shape))
-    lifted = _lift_of_rows(rows, pace, ends, step, Cells(cells.dy, cells.dx, False, False), False)
+    ends = Edges(edges.pressure, fraction, unlimited_supply(rows.unknown.shape))
+    turned = Cells(cells.dy, cells.dx, False, False)
+    lifted = _lift_of_rows(rows, open_cells, pace, ends, step, turned, False)
     around = np.empty((n_c + 1, n_a))
     for i in range(n_c + 1):
         k = margin + (i % n_c if cells.ring else i)
@@ -148,19 +125,25 @@ def lift(before: PreviousFilm, pace: StepRatios, edges: Edges, step: float, doma
 
 @compiled
 def _lift_of_rows(
-    rows: PastRows, pace: StepRatios, edges: Edges, step: float, cells: Cells, at_fronts: bool
+    rows: PreviousFilm,
+    open_cells: Flags,
+    pace: StepRatios,
+    edges: Edges,
+    step: float,
+    cells: Cells,
+    at_fronts: bool,
 ):
-    """Lift of the film fraction at the faces of the rows; `edges` and `cells` as of a skirt."""
+    """Return the lift at the faces of the rows; all arguments are arranged as for a skirt."""
     n_c, n_a = rows.unknown.shape
     full = np.empty((n_c, n_a), np.bool_)
-    resting = np.empty((n_c, n_a), np.bool_)
+    blocked = np.empty((n_c, n_a), np.bool_)
     gained = np.empty((n_c, n_a))
     for i in range(n_c):
         area = images(cells.mirrored, i, n_c) * cells.dx * cells.dy
         for j in range(n_a):
-            full[i, j] = rows.unknown[i, j] > 0.0 and not rows.open_cells[i, j]
-            resting[i, j] = full[i, j] or rows.open_cells[i, j]
+            full[i, j] = rows.unknown[i, j] > 0.0 and not open_cells[i, j]
+            blocked[i, j] = full[i, j] or open_cells[i, j]
             passing = rows.passed[i, j + 1] - rows.passed[i, j]
             gained[i, j] = rows.growth[i, j] * rows.step + passing / area
-    states = CellStates(full, resting, gained)
+    states = CellStates(full, blocked, gained)
     return transport.lift(rows, states, pace, edges, step, cells, at_fronts)

@@ -24,7 +24,7 @@ class BuildOptions:
     surface : str
         One of `parameters.SURFACES`.
     mask : list of list of int, optional
-        One row a circumferential cell: 1 = film, 0 = cut-out; None without cut-outs.
+        One row a circumferential cell: 1 = film, 0 = opening; None without openings.
     """
 
     grid: tuple[int, int]

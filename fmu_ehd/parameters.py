@@ -134,7 +134,7 @@ class Parameters:
 
     # what holds at the edges and in openings, and may change from step to step
     opening_supply: str = choice(OPENING_SUPPLIES)
-    """Source of pressure and oil in cut-outs: the lower edge or a separate supply."""
+    """Source of pressure and oil in openings: the lower edge or a separate supply."""
     pressure_lower_edge: float = declared("Pa", 0.0, -2e5, 1e8, condition=True)
     """Pressure at the lower edge, gauge."""
     pressure_upper_edge: float = declared("Pa", 0.0, -2e5, 1e8, condition=True)
@@ -146,9 +146,9 @@ class Parameters:
     """Film fraction of the oil that enters at the upper edge; below 1 only at cavitation pressure.
     """
     pressure_openings: float = declared("Pa", 0.0, -2e5, 1e8, condition=True)
-    """Pressure in cut-outs with a separate supply, gauge."""
+    """Pressure in openings with a separate supply, gauge."""
     film_fraction_openings: float = declared("1", 1.0, 0.0, 1.0, condition=True, advanced=True)
-    """Film fraction of the oil that enters from cut-outs with a separate supply; below 1 only at
+    """Film fraction of the oil that enters from openings with a separate supply; below 1 only at
     cavitation pressure.
     """
     oil_temperature_lower_edge: float = declared("K", 373.15, 233.15, 573.15, condition=True)
@@ -158,7 +158,7 @@ class Parameters:
 
     # a bearing alone
     sector_angle: float = declared("rad", FULL_TURN, 0.1, FULL_TURN)
-    """Wrap angle of the shell; below 360 deg, both ends are cut-outs."""
+    """Wrap angle of the shell; below 360 deg, both ends are openings."""
 
     open_cells: Flags | None = None
     surface: str = SURFACES[0]

@@ -1,6 +1,6 @@
-"""Interface of a film's step: inputs, memory and derivative data as arrays, and declared outputs.
+"""Interface of a film's step: inputs, memory, data for derivatives, and declared outputs.
 
-A memory in machine code follows these annotations, and so do the output variables of the FMU.
+The annotations determine the layout of a memory in machine code, and the outputs of the FMU.
 """
 
 from typing import Annotated, NamedTuple
@@ -49,8 +49,8 @@ class LastStep(NamedTuple):
     """Data of the last step for the tangent.
 
     film : ndarray, shape (6, n_c, n_a), quantities of `films`; slopes, slopes_around : of these,
-    `flow_film.FlowFilm`; under : piezoviscosity.TruePressure; filling : flows.Filling, that the
-    balance was solved with; edges : grid.Edges; length : H_e [s];
+    `flow_film.FlowFilm`; under : piezoviscosity.TruePressure; filling : flows.Filling of the
+    solved balance; edges : grid.Edges; length : H_e [s];
     unknown, full, stencil : as in `film_step.FilmSolution`; shear : friction.ShearInputs;
     pressure_slope, stress_slope : of `contact.Contact`; touching : whether any cell is in contact;
     turning : circumferential.CircumferentialInputs.
@@ -135,7 +135,7 @@ class Scalars(NamedTuple):
     pressure around the film.
     """
     flow_openings: Annotated[float, "m3/s", 1e-6]
-    """Oil flow into the film from cut-outs at the end of the step."""
+    """Oil flow into the film from openings at the end of the step."""
     oil_in_film: Annotated[float, "m3", 1e-8]
     """Oil volume in the film."""
     oil_on_bore: Annotated[float, "m3", 1e-8]

@@ -1,8 +1,8 @@
-"""Step of a film, once for Python and machine code.
+"""Step of a film, one source for Python and machine code.
 
-Python runs it as written (`model`), and a native FMU compiles it (`native`).
+Python runs it (`model`), and a native FMU compiles it (`native`).
 
-A step is `begin`, `solve` and `end`; the caller checks the faults that each has noted. Its
+A step is `begin`, `solve` and `end`. The caller checks the faults that each has noted. Its
 derivatives are in `step_tangent`. Only this file and `constants` know whether the film is that of a
 skirt or of a bearing, and whether there is oil on the bore.
 """
@@ -50,7 +50,7 @@ from .state import Fields, Inputs, LastStep, Memory, Scalars
 class StepStart(NamedTuple):
     """Data from which a step starts.
 
-    begin : step_parts.EulerStart; covered : oil_layer.OilLayer, the skirt moved on;
+    begin : step_parts.EulerStart; covered : oil_layer.OilLayer, after the motion of the skirt;
     edges : grid.Edges; lift : transport.Lift;
     entrainment : grid.Entrainment, at the end of the step [m/s].
     """
@@ -63,7 +63,7 @@ class StepStart(NamedTuple):
 
 
 class ForceInputs(NamedTuple):
-    """Film as its forces need it.
+    """Data of a film for its forces.
 
     Deflection [m], steps of `Memory`, flow_film.FlowFilm, piezoviscosity.TruePressure, film
     fraction [-].
@@ -302,7 +302,7 @@ def start(
     if has_narrow_steps(inputs.hard_film, domain.open_cells, rms, domain.cells):
         remark(faults, FAULT.narrow_steps)
     totals = parts.Totals(0.0, 0.0, acting.along.stored, acting.along.volume)
-    parts.check_kept(before, totals, faults)
+    parts.check_finite(before, totals, faults)
     scalars = scalars_of(fixed, acting, ledger, layer)
     return Memory(before, totals, layer, steps), fields_of(acting, fraction), scalars
 
@@ -427,7 +427,7 @@ def end(
     highest = acted.summary.highest - cavitation
     if law.kind != PRESSURE_VISCOSITY_LAWS.none and highest > law.limit:
         remark(faults, FAULT.beyond_pressure_law)
-    went = parts.passage(before, begun.begin, film, begun.entrainment, length, domain)
+    went = parts.oil_transport(before, begun.begin, film, begun.entrainment, length, domain)
     account = parts.account(
         before, memory.totals, acted, acting.powers, film, went.growth, cavitation, length
     )
@@ -455,7 +455,7 @@ def end(
         travel=went.travel,
         step=length,
     )
-    parts.check_kept(after, account.totals, faults)
+    parts.check_finite(after, account.totals, faults)
     last = LastStep(
         film=flow.quantities,
         slopes=flow.slopes,

@@ -29,21 +29,22 @@ from .laws.contact import Contact, contact
 from .laws.friction import FrictionPowers, ShearConstants, ShearForces, ShearInputs
 from .summary import Halves, Summary, summarise
 
-# ---- what a step starts from
+# ---- beginning of a step
 
 
 class PreviousFilm(NamedTuple):
     """Past of a film at the beginning of a step.
 
-    unknown, unknown_before : signed unknown at the end of the last two steps; its extrapolation
-    starts the next one, so that a repeat takes the same path; pressure : at the end of the last
-    step, above cavitation pressure [Pa]; content, growth, growth_before :
-    film fraction times stored film, 0 in openings [m], and its growth over the last step and the
-    one before [m/s], `storage.ContentHistory`; deflection : of the coating [m];
+    unknown, unknown_before : signed unknown at the end of the last two steps, which are
+    extrapolated to start the next one;
+    pressure : at the end of the last step, above cavitation pressure [Pa];
+    content, growth, growth_before : film fraction times stored film, 0 in openings [m], and its
+    growth in the last two steps [m/s], `storage.ContentHistory`;
+    deflection : of the coating [m];
     film, film_before : `oil_rows.carriers` at the end of the last two steps;
-    passed, travel : volume that passed the faces through which sliding carries the oil [m3], and
-    travel of the entrainment there [m], in the last step, `transport`: axial faces, of a bearing
-    those across i, shape (n_c + 1, n_a); step : length of the last step [s], 0 at the start.
+    passed, travel : volume that passed each face in the last step [m3], and travel of the
+    entrainment there [m]; axial faces, of a bearing those across i, shape (n_c + 1, n_a);
+    step : length of the last step [s], 0 at the start.
     """
 
     unknown: Field
@@ -64,8 +65,7 @@ class EulerStart(NamedTuple):
     """Beginning of a step.
 
     pace : transport.StepRatios; start : storage.EulerStep;
-    guess : ndarray of bool, shape (n_c, n_a), cells that will be full if the unknown goes on as it
-    did.
+    guess : ndarray of bool, shape (n_c, n_a), cells that are full by extrapolation of the unknown.
     """
 
     pace: StepRatios
@@ -94,7 +94,7 @@ def begin(before: PreviousFilm, step: float, cells: Cells):
 class Surfaces(NamedTuple):
     """Constants of the surfaces during a run.
 
-    area : ndarray, shape (n_c, n_a), lubricated area of each cell and its images, 0 in cut-outs
+    area : ndarray, shape (n_c, n_a), lubricated area of each cell and its images, 0 in openings
     [m2];
     contact : asperity.ContactConstants; halves : summary.Halves;
     compliance, coating_thickness : of a coating [m/Pa], [m], 0 without;
@@ -114,7 +114,7 @@ class Surfaces(NamedTuple):
 
 @compiled
 def check_film(film_thickness: Array, surfaces: Surfaces, faults: Array):
-    """Note a fault at the first film that is no number, or where surfaces overlap farthest.
+    """Note a fault at the first film that is not finite, or where surfaces overlap most.
 
     The film thickness is without the deflection of a coating.
     """
@@ -130,7 +130,7 @@ def check_film(film_thickness: Array, surfaces: Surfaces, faults: Array):
 def check_overlap(
     film_thickness: Array, surfaces: Surfaces, layer: float, fault: int, faults: Array
 ):
-    """Note a fault where surfaces overlap farthest, beyond Eq. (A14).
+    """Note a fault where surfaces overlap most, if by more than Eq. (A14) allows.
 
     layer : thickness of a coating whose deflection is not part of the film thickness [m].
     """
@@ -153,9 +153,9 @@ def check_overlap(
 
 
 class SolvedFilm(NamedTuple):
-    """A solved film, as its forces see it; arrays of shape (n_c, n_a).
+    """Data of a solved film for its forces; arrays of shape (n_c, n_a).
 
-    hard_film, deflection : film thickness without the deflection of a coating, and that [m];
+    hard_film, deflection : film thickness without the deflection of a coating; deflection [m];
     steps : ndarray, shape (2, n_c, n_a), `contact.profile_steps`;
     velocity, turning : V, and W, which is 0 on a skirt [m/s];
     quantities : ndarray, shape (6, n_c, n_a), of `films`, with the viscosity of shear under
@@ -220,11 +220,12 @@ def shear_inputs(film: SolvedFilm, touching: Contact, surfaces: Surfaces, domain
 
 @compiled
 def forces(film: SolvedFilm, surfaces: Surfaces, domain: Domain, faults: Array):
-    """Contact, forces and sums of a solved film; a fault is noted where they are not finite.
+    """Return contact, forces and sums of a solved film; note a fault if they are not finite.
 
     Eq. (A10):  U = sum over cells of  A (e + delta^2 / (2 C))
 
-    What is stored: e by area, Eq. (A9), delta deflection of the coating and C its compliance.
+    U is the stored energy, e that by area, Eq. (A9), delta the deflection of the coating and C its
+    compliance.
 
     Returns
     -------
@@ -305,7 +306,7 @@ def refuse_forces(normal: Array, along: Array, film: SolvedFilm, faults: Array):
                 return
 
 
-# ---- what a step hands on
+# ---- results for the next step
 
 
 class OilTransport(NamedTuple):
@@ -320,7 +321,7 @@ class OilTransport(NamedTuple):
 
 
 @compiled
-def passage(
+def oil_transport(
     before: PreviousFilm,
     begun: EulerStart,
     solution: FilmSolution,
@@ -377,10 +378,10 @@ def leaving_above(axial_flow: Array) -> float:
 
 
 class Totals(NamedTuple):
-    """Sums that go on from step to step.
+    """Totals that continue from step to step.
 
-    friction_work, boundary_work : what sliding has cost since the start, and the asperities' part
-    of it [J]; stored, volume : as in `Forces`.
+    friction_work, boundary_work : friction work since the start, and the part of the asperities in
+    it [J]; stored, volume : as in `Forces`.
     """
 
     friction_work: float
@@ -392,9 +393,8 @@ class Totals(NamedTuple):
 class Account(NamedTuple):
     """Sums at the end of a step.
 
-    totals : Totals; boundary_share : of the friction work, the asperities' [-]; oil : in the film
-    [m3]; received_power : Eq. (A11) [W]; heat : what sliding and squeezing dissipate, the bracket
-    of Eq. (A11) [W]; both are means over the step.
+    totals : Totals; boundary_share : of the asperities in the friction work [-]; oil : in the film
+    [m3]; received_power, heat : means over the step by Eq. (A11), the heat is its bracket [W].
     """
 
     totals: Totals
@@ -435,18 +435,18 @@ def account(
     Eq. (A11):  E/H = [P - sum over cells of  A (p_0 + p_1)/2 (c_1 - c_0)/H] + (U_1 - U_0)/H
                       - p_c (sum over cells of  A dh)/H
 
-    The sum is the heat of pressure flow less the work of the pressure around the film: by Eq. (E1)
-    it is that of flow times pressure drop over all faces, less inflow times pressure over edges and
-    openings. With P, Eqs. (F3), (F8), it is the heat Q. In a full film, up to the grid's error in
-    h dp/dy,
+    The sum with its sign is the heat of pressure flow less the work of the pressure around the
+    film: by Eq. (E1) it is flow times pressure drop over all faces, less inflow times pressure over
+    edges and openings. With P, Eqs. (F3), (F8), it is the heat Q. In a full film, except for the
+    error of the grid in h dp/dy,
 
                     Q = sum over faces of  K (p_a - p_b)^2 + sum over cells of  A c_v V^2
 
     with K of Eq. (E3) and c_v, the c of Eq. (F1).
 
-    In a full film E is the work of the surfaces to round-off. They work on h, the film on its
-    content c = f s. In a cell that fills they do more work, which is lost. At the floor of the film
-    or with flow factors, s is not h. There E omits A (p_0 + p_1)/2 (dh - ds).
+    In a full film E is the work of the surfaces to round-off. The surfaces work on h, and the film
+    stores the content c = f s. In a cell that fills, the surfaces do more work, which is lost. At
+    the floor of the film or with flow factors, s is not h. There E omits A (p_0 + p_1)/2 (dh - ds).
 
     Parameters
     ----------
@@ -486,7 +486,7 @@ def account(
 
 
 @compiled
-def check_kept(film: PreviousFilm, totals: Totals, faults: Array):
+def check_finite(film: PreviousFilm, totals: Totals, faults: Array):
     """Note a fault where the next step would start from a number that is not finite."""
     works = totals.friction_work + totals.boundary_work
     if not (np.isfinite(works) and is_finite(film.film) and is_finite(film.growth)):

@@ -1,7 +1,7 @@
 """Derivatives of the forces at the end of a step, to film thickness and velocities there.
 
-`linearise` computes once what all directions share, and `changes` the forces' changes for any
-directions. Python runs both as written (`model`), and a native FMU compiles them (`native`).
+`linearise` computes the derivatives that all directions share, and `changes` the changes of the
+forces for any directions. Python runs both (`model`), and a native FMU compiles them (`native`).
 """
 
 from typing import Annotated, NamedTuple
@@ -23,7 +23,7 @@ from .solvers.blocks import Factors
 from .solvers.sparse import LinearSolver
 from .state import LastStep
 
-FORCE = numbered("normal", "along", "around")  # forces whose changes are asked for
+FORCE = numbered("normal", "along", "around")  # axis of `forces` in `changes`
 
 StencilPair = Annotated[Array, "2, 5, n_c, n_a"]
 
@@ -38,7 +38,7 @@ class Linearisation(NamedTuple):
     contact_pressure, contact_shear, contact_around : ndarray, shape (5, n_c, n_a), derivatives of
     the contact's forces to the film thickness of a cell and its neighbours, as of
     `contact.Contact` [N/m].
-    What there is not is of shape (0, ..).
+    Absent members have the shape (0, ..).
     """
 
     stencil: StencilPair
@@ -52,7 +52,7 @@ class Linearisation(NamedTuple):
 
 
 class Directions(NamedTuple):
-    """Changes of hard film [m], V and W [m/s], each ndarray of shape (m, n_c, n_a)."""
+    """Changes of film thickness without coating deflection [m], V and W [m/s], (m, n_c, n_a)."""
 
     film: Array
     velocity: Array
@@ -177,7 +177,7 @@ def changes(
 ) -> None:
     """Compute the changes of the forces at the end of the last step.
 
-    The state at its beginning is held.
+    The state at its beginning is constant.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def changes(
     solver : sparse.LinearSolver or blocks.Factors
         With the factorisation of the step.
     right : ndarray, shape (m, n_c, n_a)
-        Room for the changes of the signed unknown.
+        Overwritten: work array for the changes of the signed unknown.
     forces : ndarray, shape (2, m, n_c, n_a), of a bearing (3, m, n_c, n_a)
         Overwritten: changes of pressure, friction and circumferential force [N].
     """

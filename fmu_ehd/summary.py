@@ -33,7 +33,7 @@ class Summary(NamedTuple):
     thinnest : HalfValues, minimum film thickness [m]; highest : maximum pressure [Pa];
     radial : HalfValues, force across the thrust plane, >= 0 pushes apart [N];
     friction : HalfValues, axial force on the skirt [N];
-    hydrodynamic, asperity : axial force by its cause [N]; power : that sliding costs [W];
+    hydrodynamic, asperity : axial force by its cause [N]; power : friction power [W];
     contact_area : mean of the contact area fraction [-].
     """
 

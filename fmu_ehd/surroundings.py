@@ -21,8 +21,8 @@ class Surroundings(NamedTuple):
     edges : grid.Edges, with reduced pressures, Eq. (O6); outside : contradictions.AmbientPressures;
     temperature, viscosity : ndarray, shape (n_c, n_a), T [K], low-shear mu_0 [Pa s];
     pressure_law : piezoviscosity.PressureLaw;
-    ring_layer, splash : oil that the ring leaves above the skirt [m], and that is thrown below it
-    [m/s].
+    ring_layer, splash : layer that the oil ring leaves above the skirt [m], and splash of oil below
+    it [m/s].
     """
 
     edges: Edges

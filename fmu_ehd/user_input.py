@@ -79,7 +79,7 @@ def cells_of(grid: tuple[int, int]) -> tuple[int, int]:
 
 
 def openings_of(grid: tuple[int, int], open_cells: Flags | None) -> Flags | None:
-    """Return the cut-outs; raise BadInput if their shape differs, or if there is no film."""
+    """Return the openings; raise BadInput if their shape differs, or if there is no film."""
     if open_cells is None:
         return None
     cells = np.asarray(open_cells, dtype=bool)

@@ -8,8 +8,8 @@ Its subpackages:
     geometry         skirt and bore as the film sees them: profiles, film thickness, forces back by
                      virtual work
     dynamics         equations of motion, their time integration, and the model that composes all
-    monoblock        a flexible block of several cylinders, an FMU of its own
-    shell            an elastic shell of a bearing, an FMU of its own
+    monoblock        a flexible block of several cylinders, a separate FMU
+    shell            an elastic shell of a bearing, a separate FMU
 
 The FMU: options (the case's build table, validated), build, variables, slave; what the running FMU
 reads is declared in dynamics (build_options, parameters) and reduction (reduced_body). Bodies

@@ -366,8 +366,8 @@ def reduced_bodies(
     Returns
     -------
     dict of str to Path
-        An .npz for each of piston and block (`reduction.reduced_body`); a rod's eye is none of
-        them.
+        An .npz for each of piston and block (`reduction.reduced_body`), but none for the eye of
+        the rod.
 
     Raises
     ------

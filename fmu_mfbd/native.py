@@ -78,12 +78,12 @@ from .dynamics.system import RingForce
 from .dynamics.thermal_growth import FieldInputs, warm_walls
 from .geometry.film import NodalForces
 from .geometry.pin import PinForces
-from .mechanism.carrier import FIXED, carrier_from
+from .mechanism.carrier import FIXED, block_motion_from
 from .mechanism.generalised_alpha import coefficients
 from .mechanism.piston_motion import LATERAL, RIGID, ROCKING
 from .mechanism.slider_crank import CrankMotion
 from .native_fields import forces_at, gathered, put_films, put_stacked, scatter
-from .native_walls import WallPlaces, growths_of, wall_places
+from .native_walls import WallPositions, growths_of, wall_positions
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS
 
 INTEGERS = ("gas_source", "crank_free", "film_symmetry")
@@ -168,7 +168,7 @@ class VariablePlaces(NamedTuple):
     skirt_tangent: FieldPlaces
     pins: FieldPlaces
     pins_tangent: FieldPlaces
-    walls: WallPlaces
+    walls: WallPositions
     slides: Annotated[np.ndarray, "slides"]
 
 
@@ -221,7 +221,7 @@ _room_of_state = room_of(PistonState, "n, w, s, g")
 _room_of_last = room_of(StepEnd, "n, m, f")
 
 
-def lengths_of(setup: NativeSetup, walls: WallPlaces, model: BodyModel):
+def lengths_of(setup: NativeSetup, walls: WallPositions, model: BodyModel):
     """Return the lengths of all parts that change, for the largest model."""
     n = len(setup.start_position)
     m = max(n, len(FIXED))
@@ -294,7 +294,7 @@ def _places(slave) -> VariablePlaces:
         skirt_tangent=fields(skirt, (*FORCES, *FILM), of_tangent),
         pins=fields(pins, (*PIN_FORCES, *PIN_FILM)),
         pins_tangent=fields(pins, (*PIN_FORCES, *PIN_FILM), of_tangent),
-        walls=wall_places(slave),
+        walls=wall_positions(slave),
         slides=each(slave.built.slides),
     )
 
@@ -310,7 +310,7 @@ def inputs_of(real, places):
         NodalForces(*forces_at(real, places.skirt)),
         PinForces(*forces_at(real, places.pins)),
         rings_from(get_each(real, places.rings)),
-        carrier_from(get_each(real, places.carrier)),
+        block_motion_from(get_each(real, places.carrier)),
         FieldInputs(
             gathered(real, places.walls.skirt, places.walls.skirt_cells),
             gathered(real, places.walls.bore, places.walls.bore_cells),

@@ -13,8 +13,8 @@ from .geometry.surfaces import surface_at
 from .variables import WALL_FIELDS
 
 
-class WallPlaces(NamedTuple):
-    """First positions of temperature fields, and their numbers of cells: arrays over films.
+class WallPositions(NamedTuple):
+    """First positions of temperature fields and their numbers of cells, by film.
 
     skirt, bore : inputs of both walls; oil : outputs of the films. Arrays may be empty.
     """
@@ -27,7 +27,7 @@ class WallPlaces(NamedTuple):
     oil_cells: Vector
 
 
-def wall_places(slave: Any) -> WallPlaces:
+def wall_positions(slave: Any) -> WallPositions:
     """Return the positions of temperature fields among the variables of an FMU instance."""
     walls = slave.built.temperatures
     around, _ = slave.built.grid
@@ -39,7 +39,7 @@ def wall_places(slave: Any) -> WallPlaces:
     def cells(shapes):
         return np.array([np.prod(shape) for shape in shapes], dtype=float)
 
-    return WallPlaces(
+    return WallPositions(
         skirt=positions_of(slave, [f"{one.prefix}{WALL_FIELDS['skirt']}" for one in skirt]),
         skirt_cells=cells(one.shape for one in skirt),
         bore=positions_of(slave, [WALL_FIELDS["bore"]] * len(bore)),
@@ -50,7 +50,7 @@ def wall_places(slave: Any) -> WallPlaces:
 
 
 @compilable
-def growths_of(bodies: BodySetup, walls: WallPlaces) -> int:
+def growths_of(bodies: BodySetup, walls: WallPositions) -> int:
     """Return the length of `PistonState.field_growth`."""
     knots = surface_at(bodies.surfaces, 0).bore.temperature.size
     return int(walls.skirt_cells.sum()) + (knots if len(walls.bore) > 0 else 0)

@@ -286,7 +286,7 @@ def _of_films(
 ) -> list[Figure]:
     """Return the lengths of several film surfaces, and lengths and radii of those of pin and crank.
 
-    The skirt's films have no radius of their own.
+    Films of the skirt have no separate radius.
     """
     _, along = prepared.grid
     row = (piston.body.skirt_upper - piston.body.skirt_lower) / along

@@ -184,7 +184,7 @@ def _around(panel, shapes):
 
 
 def _section(way, hot, cold):
-    """Return the title of a section, which says what dashed curves are if there are any."""
+    """Return the title of a section, with the meaning of dashed curves if there are any."""
     return f"section {way}" + (" (dashed: cold)" if (hot != cold).any() else "")
 
 

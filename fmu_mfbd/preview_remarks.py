@@ -39,15 +39,15 @@ WIDEST_ROWS = 30.0
 FIRING_RANGE = 60.0
 """Crank angle next to firing top dead centre that contains the highest gas pressure [deg]."""
 ELASTIC_INTERFERENCE = 1e-3
-"""Interference over bore radius that a flexible skirt can yield, our own choice."""
+"""Interference over bore radius that a flexible skirt can take by deflection, our own choice."""
 COLD = ("skirt_growth_lower", "skirt_growth_upper", "bore_growth_lower", "bore_growth_upper")
-"""Parameters that heat brings."""
+"""Parameters of thermal growth."""
 FEWEST_OPENING_CELLS = 3
-"""Cells that an opening in the skirt should be wide, for its edge to lie within half of them."""
+"""Cells that an opening in the skirt should be wide, for its edge to be within half of them."""
 
 
 class BodyPreview(NamedTuple):
-    """A body as rigid as a data sheet, and what a mesh says besides.
+    """A rigid body, and the data of its mesh.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from .geometry.profile import linear_growth
 from .variables import WALL_FIELDS, WALL_LEVELS, WALL_TEMPERATURES
 
 PARTS = {"skirt": "piston", "bore": "block"}
-"""Wall -> body with it."""
+"""Body of each wall."""
 
 
 class WarmWalls(NamedTuple):
@@ -44,18 +44,18 @@ class WarmWalls(NamedTuple):
 def warm_walls(
     prepared: BuildOptions,
     chosen: Parameters,
-    given: Mapping[str, Any],
+    values: Mapping[str, Any],
     grid: tuple[np.ndarray, np.ndarray, np.ndarray],
     ends: tuple[float, float],
     radii: Radii,
 ) -> WarmWalls | None:
-    """Return the temperatures of both walls, None if the case gives none.
+    """Return the temperatures of both walls, or None if the case has none.
 
     Parameters
     ----------
     prepared : BuildOptions
     chosen : Parameters
-    given : mapping
+    values : mapping
         Parameters of the case by name, also those that are not in `Parameters`, in SI.
     grid : (angle, height, bore_height)
         Lines of the film grid, and heights of the bore's table [rad], [m].
@@ -65,18 +65,18 @@ def warm_walls(
         Radii of both walls [m].
     """
     walls = prepared.temperatures
-    if walls is None and not {*WALL_LEVELS.values()} & given.keys():
+    if walls is None and not {*WALL_LEVELS.values()} & values.keys():
         return None
     angle, height, heights = grid
 
     def field(name: str, rows: np.ndarray, low: float, high: float) -> np.ndarray:
-        even = WallTemperature(float(given.get(WALL_LEVELS[name], REFERENCE)))
+        even = WallTemperature(float(values.get(WALL_LEVELS[name], REFERENCE)))
         wall = getattr(walls, name) if walls else even
         shape = (len(angle), len(rows))
         if wall.varies:
-            start = np.asarray(given.get(WALL_FIELDS[name], wall.level))
+            start = np.asarray(values.get(WALL_FIELDS[name], wall.level))
             return start.reshape(shape) if start.size == np.prod(shape) else np.full(shape, start)
-        half = float(given.get(f"{name}_temperature_rise", wall.rise)) / 2
+        half = float(values.get(f"{name}_temperature_rise", wall.rise)) / 2
         line = linear_growth(rows, low, high, -half, half)
         return wall.level + warmth(wall, angle, rows) + np.zeros(shape) + line
 
@@ -104,8 +104,8 @@ def figures_of_walls(
 ) -> list[Figure]:
     """Return the temperatures of both walls and of the oil at their edges, means around.
 
-    Those of the oil are means over the stroke, at positions `pin_height` of the pin [m]. `ends` are
-    the heights of the edges of the skirt [m].
+    Temperatures of the oil are means over the stroke, at positions `pin_height` of the pin [m].
+    `ends` are the heights of the edges of the skirt [m].
     """
     inner, outer = walls.skirt_edges.mean(axis=0), walls.bore.mean(axis=0)
     oil = [
@@ -125,18 +125,18 @@ def figures_of_walls(
 
 
 def messages_on_walls(
-    prepared: BuildOptions, chosen: Parameters, given: Mapping[str, Any], walls: WarmWalls
+    prepared: BuildOptions, chosen: Parameters, values: Mapping[str, Any], walls: WarmWalls
 ) -> list[Message]:
     """Return messages on temperatures that contradict other values of the case."""
     out: list[Message] = []
     fields = {"skirt": walls.skirt, "bore": walls.bore}
     low, high = WALL_TEMPERATURES
     for name, field in fields.items():
-        twice = {WALL_LEVELS[name], f"{name}_temperature_rise"} & given.keys()
+        twice = {WALL_LEVELS[name], f"{name}_temperature_rise"} & values.keys()
         for key in sorted(twice) if prepared.temperatures else ():
             text = (
                 f"parameters.{key}: expected nothing with build.temperatures.{name}, got "
-                f"{given[key]:g} K; give the temperature once"
+                f"{values[key]:g} K; give the temperature once"
             )
             out.append(Message("fault", text))
         if prepared.temperatures and not (low <= field.min() and field.max() <= high):

@@ -229,7 +229,7 @@ def smooth_shape(shape: MeasuredShape) -> SmoothShape | None:
     """Return a smooth profile without grains of dust, None for a table that is too small.
 
     Around, it is a Fourier series by least squares. Along, each coefficient is a cubic smoothing
-    spline. Both are as smooth as generalised cross-validation says. Grains are the largest
+    spline. Generalised cross-validation chooses their smoothness. Grains are the largest
     differences, which are replaced one after the other.
     """
     values = shape.value.copy()

@@ -37,7 +37,7 @@ from .dynamics.parameters import (
 from .dynamics.state import PistonState
 from .dynamics.system import RingForce
 from .geometry.pin import PinForces
-from .mechanism.carrier import FIXED, Carrier
+from .mechanism.carrier import FIXED, BlockMotion
 from .mechanism.piston_motion import RIGID
 from .variables import BLOCK, FILM, FORCES, PIN_FILM, PIN_FORCES, RINGS, WALL_FIELDS, WALL_LEVELS
 
@@ -213,7 +213,7 @@ class Mfbd(FieldSlave):
             _rings(values),
             float(values["land_pressure"]),
             self._pins(values),
-            Carrier(*(float(values[name]) for name in BLOCK)) if self.built.mounted else FIXED,
+            BlockMotion(*(float(values[name]) for name in BLOCK)) if self.built.mounted else FIXED,
             np.asarray(values.get(BORE, np.zeros((0, 0)))),
             float(values["load_torque"]),
             float(values["crankcase_pressure"]),

@@ -42,7 +42,7 @@ BLOCK = (
     "block_angular_acceleration",
     "block_angular_velocity",
 )
-"""Motion of a mounted block, as `Carrier`."""
+"""Motion of a mounted block, as `BlockMotion`."""
 GAUGE_PRESSURES = (-2e5, 1e8)
 RING_FORCES = (-1e9, 1e9)
 BLOCK_ACCELERATIONS = (-1e6, 1e6)
@@ -51,9 +51,9 @@ TEMPERATURES = (200.0, 1000.0)
 temperatures [K].
 """
 WALL_LEVELS = {"skirt": "piston_temperature", "bore": "bore_temperature"}
-"""Wall -> input with the level of its temperature."""
+"""Input with the level of the temperature of each wall."""
 WALL_FIELDS = {"skirt": "skirt_temperature_field", "bore": "bore_temperature_field"}
-"""Wall -> field input of its temperature, which replaces the level."""
+"""Field input of the temperature of each wall, which replaces the level."""
 WALL_TEMPERATURES = (233.15, 573.15)
 """Range of the temperature of a wall with a film, as of the oil [K]."""
 
@@ -105,12 +105,12 @@ class OtherInputs(NamedTuple):
     without effect on a crank of prescribed speed.
     """
     piston_temperature: Annotated[float, "K", 293.15, 300.0, TEMPERATURES]
-    """Level of the temperature of the piston, with which the skirt grows from reference_temperature
-    on; it is even unless build options give a distribution.
+    """Level of the temperature of the piston. The skirt grows above reference_temperature. The
+    temperature is uniform unless build options give a distribution.
     """
     bore_temperature: Annotated[float, "K", 293.15, 300.0, TEMPERATURES]
-    """Level of the temperature of the bore, with which the bore grows from reference_temperature
-    on; it is even unless build options give a distribution.
+    """Level of the temperature of the bore. The bore grows above reference_temperature. The
+    temperature is uniform unless build options give a distribution.
     """
     crank_speed: Annotated[float, "rad/s", 100 * pi, 300.0, (0.0, 3000.0)]
     """Speed of the crank at the end of the step; for a free crank, at the start."""
@@ -229,10 +229,10 @@ def signals(options: BuildOptions) -> list[Variable]:
     for name in options.slides:
         joint = f"the {SLIDES[name].acts} in its joint on the {SLIDES[name].reacts}"
         answers.append(output_variable(name, "m", f"Displacement of {joint}", 1e-3))
-    film = "main_bearing" in options.crank_surfaces()  # which has outputs of these names
-    answers += declared(BlockForce, absent=("main_bearing",) * film)
+    has_film = "main_bearing" in options.crank_surfaces()  # its outputs have the same names
+    answers += declared(BlockForce, absent=("main_bearing",) * has_film)
     if walls := options.temperatures:
-        acting = warmed(acting, walls, options)
+        acting = with_wall_temperatures(acting, walls, options)
         answers += [one for film in films for one in declared(OilOutputs, output_variable, *film)]
     if options.mounted:
         acting += declared(BlockInputs, _input)
@@ -262,10 +262,10 @@ def fixed_walls(walls: WallTemperatures | None) -> list[str]:
     return [name for name in WALL_PARAMETERS if walls and not getattr(walls, name).varies]
 
 
-def warmed(
+def with_wall_temperatures(
     acting: list[Variable], walls: WallTemperatures, options: BuildOptions
 ) -> list[Variable]:
-    """Return the inputs with the temperatures of walls: start values of levels, or fields."""
+    """Return the inputs with those for walls: start values of levels, or field inputs."""
     fixed = {WALL_LEVELS[name]: getattr(walls, name).level for name in fixed_walls(walls)}
     others = [one for one in acting if one.name not in WALL_LEVELS.values()]
     levels = [
@@ -280,7 +280,7 @@ def warmed(
         shapes = {f"{one.prefix}{WALL_FIELDS['skirt']}": one.shape for one in options.film_grids()}
     if walls.bore.varies:
         shapes[WALL_FIELDS["bore"]] = options.grid[0], walls.stations
-    text = "Temperature of the wall, with which it grows from reference_temperature on"
+    text = "Temperature of the wall, which grows above reference_temperature"
     fields = [
         input_variable(name, "K", text, REFERENCE, 300.0, shape, limits=WALL_TEMPERATURES)
         for name, shape in shapes.items()
@@ -340,7 +340,7 @@ def declared(
     shape : tuple of int
         Shape of the arrays.
     absent : tuple of str
-        Beginnings of names to leave out.
+        Prefixes of the names to omit.
     """
     return [
         make(
@@ -369,9 +369,9 @@ def _input(
 
 
 def parameters(*own: type, starts: Mapping[str, float] | None = None) -> list[Variable]:
-    """Return the parameters of `Parameters`, of force elements, and of own classes.
+    """Return the parameters of `Parameters`, of force elements, and of the classes `own`.
 
-    `own` are e.g. `PinParameters`. `starts` are start values that replace defaults.
+    An example of `own` is `PinParameters`. `starts` are start values that replace defaults.
     """
     return declared_parameters([Parameters, *ELEMENT_PARAMETERS, *own], starts)
 

@@ -1,7 +1,7 @@
-"""The film of a step under a coating that yields to the pressure, by Newton's method, `coating`.
+"""The film of a step under a coating that deflects by the pressure, by Newton's method.
 
-As in `film_step`, Python runs it as written with a sparse solver; with dense blocks, and in a
-native FMU, it is one kernel.
+The equations are those of `coating`. As in `film_step`, Python interprets it with a sparse solver.
+With dense blocks, and in a native FMU, it is one kernel.
 """
 
 from typing import NamedTuple
@@ -34,7 +34,7 @@ from .tangent import BY_FILM
 
 
 class Layer(NamedTuple):
-    """A coating, and what stays of the film above it.
+    """A coating, and the constants of the film on it.
 
     compliance : c [m/Pa]; contact : asperity.ContactConstants; laws : flow_film.FilmLaws;
     pressure : piezoviscosity.PressureLaw; share : entrainment velocity in the frame of the grid to

@@ -86,7 +86,7 @@ class BalanceInputs(NamedTuple):
 
 
 class Equations(NamedTuple):
-    """Eqs. (E1) to (E5) of one step, whatever cells are full.
+    """Eqs. (E1) to (E5) of one step, for any pattern of full cells.
 
     lift : flows.FaceLift;
     follows_pattern : whether they depend on the pattern of full cells: in every model that
@@ -378,11 +378,11 @@ def equations_of(given: BalanceInputs, domain: Domain):
     """Return the equations of a step."""
     film = given.film
     if domain.has_openings:
-        film = openings.freed(domain.open_cells, film)
+        film = openings.with_free_openings(domain.open_cells, film)
     faces = reynolds.faces(film, given.entrainment, domain.open_cells, domain.cells)
     if domain.has_openings:
-        openings.close(domain.open_cells, faces)
-        openings.starve(domain.open_cells, faces, given.edges.limit)
+        openings.close_faces(domain.open_cells, faces)
+        openings.limit_supply(domain.open_cells, faces, given.edges.limit)
     lift = face_lift(given.lift, given.entrainment, domain)
     rate = domain.cells.dx * domain.cells.dy / given.start.length
     held = Storage(film[STORED], given.start.content, rate)
@@ -416,23 +416,21 @@ def first_guess(full: Flags, equations: Equations):
 @compiled
 def solved(cells: FullCells, pressure: Array, balance: reynolds.Balance, equations: Equations):
     """Return the `FilmSolution` with its flows."""
-    filling = Filling(pressure, balance.film_fraction, equations.lift)
-    flow = flows.axial_flow(filling, equations.faces, equations.edges)
     domain = equations.domain
     spilled = np.zeros((0, 0))
     from_openings = 0.0
     if not (domain.cells.ring or domain.cells.mirrored):
         from_openings = balance.edge_flow[FIRST] + balance.edge_flow[LAST]
     elif domain.has_openings:
-        spilled = openings.spilled(domain.open_cells, balance.flow_around)
-        from_openings = openings.inflow(domain.open_cells, flow, spilled)
+        spilled = openings.flow_into_openings(domain.open_cells, balance.flow_around)
+        from_openings = openings.flow_from_openings(domain.open_cells, balance.axial_flow, spilled)
     return FilmSolution(
         unknown=cells.unknown,
         pressure=pressure,
         film_fraction=balance.film_fraction,
         content=balance.content,
         full=cells.full,
-        axial_flow=flow,
+        axial_flow=balance.axial_flow,
         flow_around=balance.flow_around,
         edge_flow=balance.edge_flow,
         from_openings=from_openings,
@@ -571,9 +569,9 @@ def film_slopes(
     cells = domain.cells
     lift = filling.lift
     if domain.has_openings:
-        film = openings.freed(domain.open_cells, film)
+        film = openings.with_free_openings(domain.open_cells, film)
         faces = reynolds.faces(film, entrainment, domain.open_cells, cells)
-        bounded = openings.starve(domain.open_cells, faces, edges.limit)
+        bounded = openings.limit_supply(domain.open_cells, faces, edges.limit)
         axial = lift.axial.copy()
         for i in range(axial.shape[0]):
             for j in range(axial.shape[1]):

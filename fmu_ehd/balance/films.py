@@ -12,7 +12,7 @@ Eq. (E9):  c_v = (phi_f + Phi_fs) mu / h,   b_p = phi_fp h / 2
 s stored and h_U transported film [m], kappa conductivity [m3/(Pa s)] of `reynolds`; c_v and b_p
 give the axial stress of `friction`. The factors phi are those of `roughness`, of both surfaces; Y
 is the skirt's share of the roughness variance. In the frame of the grid the skirt rests and the
-bore moves with twice the entrainment velocity, so a rough skirt holds oil back (h_U < h_T).
+bore moves with twice the entrainment velocity, so a rough skirt retains oil (h_U < h_T).
 
 c_v and b_p contain the total axial action on the bore: shear, and the pressure on the slopes of its
 roughness. On a smooth bore under a rough skirt (Y = 1) only shear acts, with the published factors
@@ -53,7 +53,7 @@ def smooth_film(film_thickness: Array, viscosity: Array, minimum_flow_film: floa
     Parameters
     ----------
     film_thickness : ndarray, shape (n_c, n_a)
-        h [m], any sign: where surfaces overlap the floor holds.
+        h [m], any sign. Where surfaces overlap, h_min replaces it.
     viscosity : ndarray, shape (n_c, n_a)
         mu [Pa s], > 0.
     minimum_flow_film : float
@@ -87,7 +87,7 @@ def smooth_film(film_thickness: Array, viscosity: Array, minimum_flow_film: floa
 
 @compiled(forceinline=True)
 def _factors(table, separation, roughness_rms, f, df):
-    """Write the functions of `roughness` at H into `f`, and their derivatives by h into `df`."""
+    """Write the functions of `roughness` at h/sigma into `f`, their derivatives by h into `df`."""
     last = table.shape[0] - 1
     for k in range(FACTORS):
         column = 2 * k
@@ -98,7 +98,7 @@ def _factors(table, separation, roughness_rms, f, df):
         else:
             f[k] = table[0 if separation < TABLE_START else last, column]
             df[k] = 0.0
-    if separation >= TABLE_END:  # the factor keeps its value, its share of H does not
+    if separation >= TABLE_END:  # drag is a factor over h/sigma, and only the factor is constant
         f[FACTOR.drag] *= TABLE_END / separation
         df[FACTOR.drag] = -f[FACTOR.drag] / (separation * roughness_rms)
 

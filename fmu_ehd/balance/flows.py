@@ -71,13 +71,14 @@ class Outflow(NamedTuple):
         Flow into the film over lower, upper, first, last edge [m3/s].
     gross : float
         Sum of the magnitudes of both terms of Eq. (E2) over the edges [m3/s].
-    around : ndarray, shape (n_c + 1, n_a)
-        Flow through the faces across i, positive with ascending i [m3/s].
+    axial, around : ndarray, shapes (n_c, n_a + 1) and (n_c + 1, n_a)
+        Flow through the faces across j and across i, positive with ascending j and i [m3/s].
     """
 
     cells: Array
     edges: Array
     gross: float
+    axial: Array
     around: Array
 
 
@@ -160,28 +161,22 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
     -------
     Outflow
     """
-    p, f, lift = filling
+    p = filling.pressure
     k_c, t_c, k_a, t_a = faces
-    edge_p, edge_f, _ = edges
     n_c, n_a = p.shape
     out = np.zeros((n_c, n_a))
     inflow = np.zeros(4)
     gross = 0.0
     last = n_a - 1
+    axial = axial_flow(filling, faces, edges)
     for i in range(n_c):
-        q = _inflow_axial(filling, faces, edges, i, LOWER)
-        inflow[LOWER] += q
-        out[i, 0] -= q
-        for j in range(1, n_a):
-            q = _flow(k_a[i, j], t_a[i, j], p[i, j - 1], p[i, j], f[i, j - 1], f[i, j])
-            q += t_a[i, j] * lift.axial[i, j]
-            out[i, j - 1] += q
-            out[i, j] -= q
-        q = _inflow_axial(filling, faces, edges, i, UPPER)
-        inflow[UPPER] += q
-        out[i, last] -= q
-        gross += k_a[i, 0] * (p[i, 0] + edge_p[LOWER]) + abs(t_a[i, 0])
-        gross += k_a[i, n_a] * (p[i, last] + edge_p[UPPER]) + abs(t_a[i, n_a])
+        for j in range(n_a):
+            out[i, j] -= axial[i, j]
+            out[i, j] += axial[i, j + 1]
+        inflow[LOWER] += axial[i, 0]
+        inflow[UPPER] -= axial[i, n_a]
+        gross += k_a[i, 0] * (p[i, 0] + edges.pressure[LOWER]) + abs(t_a[i, 0])
+        gross += k_a[i, n_a] * (p[i, last] + edges.pressure[UPPER]) + abs(t_a[i, n_a])
     last = n_c - 1
     around = flow_around(filling, faces, edges, ring)
     for i in range(1, n_c):
@@ -194,9 +189,9 @@ def outflow(filling: Filling, faces: Faces, edges: Edges, ring: bool):
         if not ring:
             inflow[FIRST] += around[0, j]
             inflow[LAST] -= around[n_c, j]
-            gross += k_c[0, j] * (p[0, j] + edge_p[FIRST]) + abs(t_c[0, j])
-            gross += k_c[n_c, j] * (p[last, j] + edge_p[LAST]) + abs(t_c[n_c, j])
-    return Outflow(out, inflow, gross, around)
+            gross += k_c[0, j] * (p[0, j] + edges.pressure[FIRST]) + abs(t_c[0, j])
+            gross += k_c[n_c, j] * (p[last, j] + edges.pressure[LAST]) + abs(t_c[n_c, j])
+    return Outflow(out, inflow, gross, axial, around)
 
 
 @compiled

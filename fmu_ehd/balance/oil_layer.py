@@ -4,7 +4,7 @@ Oil on the bore moves with it, at |V| past the skirt. A film with the film fract
 |V|/2. A layer of thickness lambda therefore fills a gap h to f = min(1, 2 lambda / h). A film that
 leaves the skirt with f leaves a layer lambda = f h / 2 behind, half of the gap if it is full. The
 edge pushes the oil that the gap does not take, in a reservoir at its chamfer. This oil enters
-later. In volumes, for each row of the film and each of its axial edges:
+later. For each row of the film and each of its axial edges, the volumes are:
 
 Eq. (T21):  R_e <- R_e + (oil of the bore that the skirt has covered)
 Eq. (T22):  S = max(R_e - beta_t F_n, 0) / H_e
@@ -51,7 +51,7 @@ Within a cell of the bore, which is as long as one of the film, the layer is uni
 
 Arrays have n_b cells along the bore, from `stroke` below the start of the skirt to `stroke` above
 it. They have n_e edges of a row from below, so that lower and upper ones alternate (2 without
-openings). A row with fewer edges has the others above everything, where they have no effect.
+openings). If a row has fewer edges, the others are at infinity and have no effect.
 
 A film of thickness lambda on a wall drains by its weight with q = rho g lambda^3 / (3 mu) per width
 [Nusselt1916]. Over a length l of wall, q carries off a splash s with the thickness
@@ -75,7 +75,17 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, compiled
 from ..common.faults import FAULT, refuse
-from ..common.grid import Array, Cells, Field, Flags, add, images, in_plenty, put, sum_of_products
+from ..common.grid import (
+    Array,
+    Cells,
+    Field,
+    Flags,
+    add,
+    images,
+    put,
+    sum_of_products,
+    unlimited_supply,
+)
 
 NO_EDGE = -1.0
 BARE_AT_LEAST = 1e-300  # share of a cell that replaces 0 in a divisor
@@ -124,7 +134,7 @@ class LayerVolumes(NamedTuple):
 class Supply(NamedTuple):
     """Supply and drain of oil on the bore.
 
-    followed : whether oil outside the film is followed; ring : whether an oil ring leaves some;
+    followed : whether oil outside the film is computed; ring : whether an oil ring leaves some;
     initial_layer : on the bore at the start [m]; stroke [m];
     chamfer_capacity : a of Eq. (T25) [m2]; largest_layer : from which splash runs off [m].
     """
@@ -173,7 +183,7 @@ class ExposedShares(NamedTuple):
 
 
 def skirt_edges(open_cells: Flags) -> Array:
-    """Return `Bore.faces` of a skirt with cut-outs, ndarray of bool of shape (n_c, n_a)."""
+    """Return `Bore.faces` of a skirt with openings, ndarray of bool of shape (n_c, n_a)."""
     film = np.pad(~open_cells, ((0, 0), (1, 1)))
     row, face = np.nonzero(film[:, 1:] != film[:, :-1])
     order = np.arange(row.size) - np.searchsorted(row, row)
@@ -374,7 +384,7 @@ def limit(bore: Bore, covered: OilLayer, carried: Array, length: float) -> Array
         S [m3/s], inf at faces that are no edge.
     """
     most = np.maximum(covered.reservoir - carried, 0.0) / length  # Eq. (T22)
-    entering = in_plenty(covered.spilled.shape)
+    entering = unlimited_supply(covered.spilled.shape)
     for edge in range(most.shape[0]):
         for i in range(most.shape[1]):
             face = int(bore.faces[edge, i])

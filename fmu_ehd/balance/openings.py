@@ -1,13 +1,13 @@
 """Cells without a film: windows, pin holes, where there is no skirt.
 
 An opening has the pressure and the film fraction of the lower edge, or those of the supply
-`parameters.opening_supply`. It carries no force. If the ground of a groove is loaded, the user must
-add that force.
+`parameters.opening_supply`. Its pressure exerts no force on the bodies. If the ground of a groove
+is loaded, the user must add that force.
 
 The film next to an opening has an edge there, half a cell from the centre of its last cell. In
 Eq. (E3) the conductivity of the opening is infinite, so only the film of that cell counts. Inputs
-inside an opening have no effect. If oil is scarce, Eq. (E12) limits the oil that sliding drags in
-from an opening, as for an edge.
+inside an opening have no effect. If the supply is limited, Eq. (E12) bounds the oil that sliding
+drags in from an opening, as for an edge.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ FREE = 1e30  # conductivity of an opening: no resistance [m3/(Pa s)]
 def nearest(open_cells: Flags, cells: Cells):
     """Return the nearest cell with a film, from centre to centre.
 
-    Of two at one distance it is the one with the lower j, then the first one around.
+    Of cells at the same distance it is the one with the lower j, then the first one around.
 
     Parameters
     ----------
@@ -35,14 +35,13 @@ def nearest(open_cells: Flags, cells: Cells):
     Returns
     -------
     ndarray of int, shape (n_c, n_a)
-        i n_a + j of that cell; a cell with a film is its own, and so is one where there is no film
-        at all.
+        i n_a + j of that cell; of a cell with a film, and if no cell has a film, its own.
     """
     n_c, n_a = open_cells.shape
-    place = np.empty((n_c, n_a), np.int64)
+    nearest_cell = np.empty((n_c, n_a), np.int64)
     for i in range(n_c):
         for j in range(n_a):
-            place[i, j] = i * n_a + j
+            nearest_cell[i, j] = i * n_a + j
             if not open_cells[i, j]:
                 continue
             least = np.inf
@@ -57,13 +56,14 @@ def nearest(open_cells: Flags, cells: Cells):
                     distance = around * around + along * along
                     if distance < least:
                         least = distance
-                        place[i, j] = (after if open_cells[before, k] else before) * n_a + k
+                        row = after if open_cells[before, k] else before
+                        nearest_cell[i, j] = row * n_a + k
                     break
-    return place
+    return nearest_cell
 
 
 @compiled
-def freed(open_cells: Flags, film: Array):
+def with_free_openings(open_cells: Flags, film: Array):
     """Return the quantities of `films`, (6, n_c, n_a), with openings without resistance."""
     film = film.copy()
     for i in range(open_cells.shape[0]):
@@ -75,8 +75,8 @@ def freed(open_cells: Flags, film: Array):
 
 
 @compiled
-def close(open_cells: Flags, faces: Faces):
-    """Stop the flow of faces that have no film on either side; in place."""
+def close_faces(open_cells: Flags, faces: Faces):
+    """Set the flow of faces without a film on either side to zero; in place."""
     n_c, n_a = open_cells.shape
     for i in range(n_c + 1):
         before = (i - 1) % n_c
@@ -93,7 +93,7 @@ def close(open_cells: Flags, faces: Faces):
 
 
 @compiled
-def spilled(open_cells: Flags, around: Array):
+def flow_into_openings(open_cells: Flags, around: Array):
     """Return the flow into each opening from its neighbours around the circumference.
 
     The shape is (n_c, n_a) [m3/s]; it is 0 elsewhere. `around` is of `flows.flow_around`.
@@ -108,7 +108,7 @@ def spilled(open_cells: Flags, around: Array):
 
 
 @compiled
-def inflow(open_cells: Flags, axial_flow: Array, into: Array):
+def flow_from_openings(open_cells: Flags, axial_flow: Array, into: Array):
     """Return the flow into the film from all openings [m3/s].
 
     Parameters
@@ -117,7 +117,7 @@ def inflow(open_cells: Flags, axial_flow: Array, into: Array):
     axial_flow : ndarray, shape (n_c, n_a + 1)
         Through the axial faces [m3/s].
     into : ndarray, shape (n_c, n_a)
-        From `spilled`.
+        From `flow_into_openings`.
     """
     total = 0.0
     for i in range(open_cells.shape[0]):
@@ -128,7 +128,7 @@ def inflow(open_cells: Flags, axial_flow: Array, into: Array):
 
 
 @compiled
-def starve(open_cells: Flags, faces: Faces, limit: Array):
+def limit_supply(open_cells: Flags, faces: Faces, limit: Array):
     """Bound what sliding drags in from openings, Eq. (E12); in place.
 
     Parameters
@@ -157,7 +157,7 @@ def starve(open_cells: Flags, faces: Faces, limit: Array):
 
 
 @compiled
-def filled(nearest_cell: np.ndarray, fields: Array):
+def with_nearest_values(nearest_cell: np.ndarray, fields: Array):
     """Return fields whose openings have the values of the nearest cell with a film.
 
     Parameters

@@ -38,7 +38,7 @@ a cell fills or empties, f >= 0, and the matrix is a column-dominant M-matrix. I
 centre (d/2), with the film of their cell.
 
 Arrays have the shape (n_c, n_a) of the grid; faces (n_c + 1, n_a) across i and (n_c, n_a + 1)
-across j. Face i lies between cells i - 1 and i. All functions are pure, but for `hold`.
+across j. Face i is between cells i - 1 and i. All functions are pure, except `hold`.
 
 References
 ----------
@@ -104,8 +104,8 @@ class Balance(NamedTuple):
         As `Outflow.edges`.
     imbalance : float
         |inflow - growth| / throughput of the whole film [-].
-    flow_around : ndarray, shape (n_c + 1, n_a)
-        As `Outflow.around`.
+    axial_flow, flow_around : ndarray, shapes (n_c, n_a + 1) and (n_c + 1, n_a)
+        As `Outflow.axial` and `Outflow.around`.
     """
 
     film_fraction: Array
@@ -113,6 +113,7 @@ class Balance(NamedTuple):
     residual: Array
     edge_flow: Array
     imbalance: float
+    axial_flow: Array
     flow_around: Array
 
 
@@ -348,7 +349,7 @@ def balance(
     stored, content, area_per_step = storage
     fraction = 1.0 + deficit
     filling = Filling(pressure, fraction, lift)
-    out, edge_flow, gross, around = outflow(filling, faces, edges, cells.ring)
+    out, edge_flow, gross, axial, around = outflow(filling, faces, edges, cells.ring)
     now = np.empty_like(pressure)
     residual = np.empty_like(pressure)
     total = 0.0
@@ -374,8 +375,7 @@ def balance(
             volume += alike * stored[i, j]
             total += growth
             throughput += abs(growth)
-    # round-off of pressures and film fractions says nothing about a film in which next to nothing
-    # moves
+    # the floor is for films almost without flow, whose imbalance is round-off
     floor = max(LEAST_THROUGHPUT * gross, LEAST_THROUGHPUT * area_per_step * volume, 1e-300)
     imbalance = abs(inflow - total) / max(throughput, floor)
     return Balance(
@@ -384,5 +384,6 @@ def balance(
         residual=residual,
         edge_flow=edge_flow,
         imbalance=imbalance,
+        axial_flow=axial,
         flow_around=around,
     )

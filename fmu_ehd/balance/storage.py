@@ -25,11 +25,11 @@ steps are backward Euler (r = 0), which does not reduce the order.
 
 BDF2 assumes that the motion continues. Where a motion stops, it presses half of the last inflow out
 again. Where a motion starts, its pressure is 3/2 of the correct one. A full film that is squeezed
-in one step and then held would end with a void. Eq. (T4) therefore sets m = 0 if the last growth is
-unlike the one before: after a jump, and when all moving oil stops. In smooth motion the two differ
-by O(H), and m = 1. The factor 4 keeps it at 1 until one growth is less than a quarter of the other.
-If the oil reverses its motion, a step or two are of first order, which does not reduce the order.
-Where only round-off changes, m = 0.
+in one step and then at rest would end with a void. Eq. (T4) therefore sets m = 0 if the last growth
+is unlike the one before: after a jump, and when all moving oil stops. In smooth motion the two
+differ by O(H), and m = 1. The factor 4 keeps it at 1 until one growth is less than a quarter of the
+other. If the oil reverses its motion, a step or two are of first order, which does not reduce the
+order. Where only round-off changes, m = 0.
 
 m does not know the step to come. If a film is squeezed evenly for two steps or more, and is stopped
 within one, it still returns a third of its last growth.

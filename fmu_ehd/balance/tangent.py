@@ -201,8 +201,8 @@ def linearise(
 
     They are those to film thickness and to sliding velocity.
 
-    What is upstream of a face stays so; at rest the cell before the face counts as downstream of
-    the one behind it.
+    The upstream cell of a face does not change. At rest, the cell before the face counts as
+    downstream of the one behind it.
 
     Parameters
     ----------

@@ -2,7 +2,7 @@
 
 Sliding carries the oil along the axis of a skirt, and around the circumference of a bearing. In
 this file a row of cells follows that direction: cell j, counted along it, has the faces j and
-j + 1. `oil_rows.PastRows` arranges the cells of a bearing so. Across the rows there is no lift.
+j + 1. `oil_rows` arranges the cells of a bearing in this way. Across the rows there is no lift.
 
 The film fraction of the upstream cell alone smears a front of oil over more and more cells. Oil in
 a cavitated film moves without pressure, so its motion is known when a step begins. An explicit
@@ -183,7 +183,7 @@ def _row_flow(amount, i, film, steps, known_volume, flow):
     It is one of `steps`, Eqs. (T12) to (T14).
 
     amount : of the cells of the row, content [m], or film fraction in a cell without a film;
-    known_volume : passes the faces in all steps where transport does not say it [m3].
+    known_volume : passes the faces in all steps where it does not follow from transport [m3].
     """
     stored, mobile, between, travel, full, blocked, supply, widths = film
     width = widths[i]
@@ -227,7 +227,7 @@ def _lift_in_row(i, film, through, amount, past, pace, length, fraction):
     """Compute the lift at the faces of row i, Eq. (T11), into `fraction`.
 
     through : as in `_lift_at_fronts`; amount : as in `_row_flow`, at the end of the step;
-    past : oil_rows.PastRows; length : of a cell [m].
+    past : step_parts.PreviousFilm; length : of a cell [m].
     """
     n_a = amount.size
     for j in range(n_a + 1):
@@ -240,7 +240,7 @@ def _lift_in_row(i, film, through, amount, past, pace, length, fraction):
         if not at_edge and film.blocked[i, down]:
             continue
         swept = film.width[i] * x * film.between[i, j]
-        # a last flow that pressure drove is none of transport
+        # the bounds remove a last flow by pressure
         last = min(max(pace.ratio * past.passed[i, j] / swept, 0.0), 1.0) * swept / pace.ratio
         reached = min(amount[up] / film.stored[i, up], 1.0)
         # Eq. (T11)
@@ -258,7 +258,7 @@ def _lift_at_fronts(i, film, last_volume, through, content, past, area, fraction
 
     last_volume, through : volumes that passed the faces in the last step, in proportion to the
     length of this one, and that oil without pressure passes in it, towards ascending j [m3];
-    content : at the end of the step [m]; past : oil_rows.PastRows; area : of a cell [m2].
+    content : at the end of the step [m]; past : step_parts.PreviousFilm; area : of a cell [m2].
     """
     stored_before = past.film[STORED]
     n_a = content.size
@@ -276,7 +276,7 @@ def _lift_at_fronts(i, film, last_volume, through, content, past, area, fraction
         while 0 <= upstream < n_a and not film.blocked[i, upstream]:
             if content[cell] <= film.stored[i, cell]:
                 break
-            # the cell fills in this step: the front goes on
+            # the cell fills in this step, and the front moves on
             flow += (film.stored[i, cell] - stored_before[i, cell]) * area
             cell = upstream
             upstream -= onward
@@ -386,7 +386,7 @@ def lift(
 
     Parameters
     ----------
-    past : oil_rows.PastRows
+    past : step_parts.PreviousFilm
     states : CellStates
     pace : StepRatios
     edges : grid.Edges

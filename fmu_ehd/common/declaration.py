@@ -51,9 +51,9 @@ def choice(allowed: Iterable[str], advanced: bool = False) -> Any:
 
 
 def variables_of(kind: type, condition: bool = False) -> list[Variable]:
-    """Return the variables of the declared fields that are conditions, or are not."""
+    """Return the variables of the declared fields: the conditions, or all others."""
     return [
-        replace(one.metadata[VARIABLE], name=one.name, description=description(kind, one.name))
-        for one in fields(kind)
-        if one.metadata.get(CONDITION) == condition
+        replace(own.metadata[VARIABLE], name=own.name, description=description(kind, own.name))
+        for own in fields(kind)
+        if own.metadata.get(CONDITION) == condition
     ]

@@ -12,7 +12,7 @@ from .grid import Array
 class NotConverged(RuntimeError):
     """Step without a solution, or whose solution was not reached.
 
-    The message says what, where and by how much.
+    The message contains cause, location and size.
     """
 
 
@@ -70,7 +70,7 @@ SENTENCES = {
     "model",
     "sector_of_a_skirt": "sector_angle: expected a full revolution for a skirt, got {a} rad",
     "oil_on_a_bearing": "oil_supply: expected edges for a bearing, got bore or bore_and_ring",
-    "cut_outs_in_a_sector": "sector_angle: expected {b} rad for a bearing with cut-outs, got "
+    "cut_outs_in_a_sector": "sector_angle: expected {b} rad for a bearing with openings, got "
     "{a} rad",
     "stroke_too_long": "stroke: expected at most {c} m for skirt_length = {b} m in a native FMU, "
     "got {a} m",
@@ -85,7 +85,7 @@ SENTENCES = {
     "cavitation model other than full_film",
     "other_state": DAMAGED_STATE,
     "cells_without_image": "film_symmetry: expected none for a bearing, for an odd number of cells "
-    "around, or for cut-outs that differ from their mirror image, got thrust_plane",
+    "around, or for openings that differ from their mirror image, got thrust_plane",
     **{
         f"odd_{name}": f"{name}[{{i}},{{j}}]: expected {{b}} {unit} as in the mirror image with "
         f"film_symmetry = thrust_plane, got {{a}} {unit}; set film_symmetry = none"

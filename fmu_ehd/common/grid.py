@@ -7,8 +7,8 @@ represents two. Areas, faces, volumes and flows of a mirrored grid are those of 
 Eq. (E19):  width of row i = a_i dx,   height of the faces between two rows = 2 dy,
             a_i = 1 for the first and the last row, else 2
 
-and what flows out of the first row over its only face is what flows over both of its faces. Nothing
-flows over the sides. Balances and sums over all cells are then those of the whole film.
+The flow out of the first row over its only face is that over both of its faces. There is no flow
+over the sides. Balances and sums over all cells are then those of the whole film.
 """
 
 from typing import Annotated, NamedTuple
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...master.fmi.compiled import compilable, compiled, standing_for
 
-Array = NDArray[np.float64]  # of the shape that the docstring says
+Array = NDArray[np.float64]  # of the shape in the docstring
 Flags = NDArray[np.bool_]
 Field = Annotated[Array, "n_c, n_a"]
 AxialFaces = Annotated[Array, "n_c, n_a + 1"]
@@ -137,46 +137,46 @@ def face_velocity_around(velocity: Array, open_cells: Flags, ring: bool):
 
 
 @compilable
-def in_plenty(shape: tuple[int, int]) -> Array:
+def unlimited_supply(shape: tuple[int, int]) -> Array:
     """Return `Edges.limit` of a grid of this shape without a limit."""
     n_c, n_a = shape
     return np.full((n_c, n_a + 1), np.inf)
 
 
 @compiled
-def keep(place: Array, values: np.ndarray):
+def keep(target: Array, values: np.ndarray):
     """Copy an array into a contiguous one of the same shape, in a loop.
 
-    The error of numpy about unequal shapes would need Python.
+    Native code cannot raise the error of numpy about unequal shapes.
     """
-    to = place.reshape(place.size)
+    to = target.reshape(target.size)
     of = values.reshape(values.size)
     for k in range(to.size):
         to[k] = of[k]
 
 
 @standing_for(keep)
-def put(place: Array, values: Array) -> None:
-    """Copy an array into one of the same shape; what kernels do by `keep`."""
-    place[...] = values
+def put(target: Array, values: Array) -> None:
+    """Copy an array into one of the same shape; kernels run `keep`."""
+    target[...] = values
 
 
 @compiled
-def _add(place, values):
-    for i in range(place.shape[0]):
-        for j in range(place.shape[1]):
-            place[i, j] += values[i, j]
+def _add(target, values):
+    for i in range(target.shape[0]):
+        for j in range(target.shape[1]):
+            target[i, j] += values[i, j]
 
 
 @standing_for(_add)
-def add(place: Array, values: Array) -> None:
+def add(target: Array, values: Array) -> None:
     """Add an array of shape (n_c, n_a) to a part of another; in place."""
-    place += values
+    target += values
 
 
 @compiled
 def sum_of_products(a: Array, b: Array):
-    """Sum over two fields of shape (n, m), one by one; of thickness and area a volume.
+    """Return the sum of the products of two fields of shape (n, m), such as a volume [m3].
 
     >>> sum_of_products(np.full((2, 3), 10e-6), np.full((2, 3), 1e-4))
     6e-09

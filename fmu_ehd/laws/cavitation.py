@@ -18,20 +18,20 @@ full_film:
 
 Eq. (C5):  p = u, f = 1
 
-jfo with a rounding c > 0, smooth in u [Pa]:
+jfo with a rounding p_r > 0, smooth in u [Pa]:
 
-Eq. (C6):  (p + c) (1 - f) = c,   p - u_v (1 - f) = u
+Eq. (C6):  (p + p_r) (1 - f) = p_r,   p - u_v (1 - f) = u
 
 The balance is piecewise linear in u, so a repeated pattern is its exact solution (semismooth
-Newton). Should the pattern wander, cells are switched singly in a fixed order, which ends for every
-M-matrix [Murty1974]. Only jfo [Jakobsson1957], [Olsson1965] conserves oil; the others are there for
-comparison, and their mass_imbalance says what they lose.
+Newton). If the pattern does not settle, cells are switched one by one in a fixed order, which ends
+for every M-matrix [Murty1974]. Only jfo [Jakobsson1957], [Olsson1965] conserves oil. The others are
+for comparison, and their mass_imbalance is the oil that they lose.
 
-Of Eqs. (C2) to (C5) derivatives jump when a cell fills or empties. So a difference of many steps
-with films a thousandth apart has an error of percents. With Eq. (C6) it is a smooth function of the
-films. It is Boyle's law of a gas that fills a cavity at an absolute pressure c, so f >= 0 with p >=
-0, and 1 - f is about c / p in full cells. u_v is a scale of the unknown alone. Newton's method
-starts from the solution of Eq. (C1).
+By Eqs. (C2) to (C5), derivatives jump when a cell fills or empties. A gradient by differences of
+two runs over many steps then has an error of percents. By Eq. (C6), forces are a smooth function of
+the film thickness. It is Boyle's law of a gas that fills a cavity at the absolute pressure p_r, so
+f >= 0 with p >= 0, and 1 - f is about p_r / p in full cells. u_v is only a scale of the unknown.
+Newton's method starts from the solution of Eq. (C1).
 
 References
 ----------
@@ -85,7 +85,7 @@ class Cavitation(NamedTuple):
     conserving : cavitated cells carry film fraction;
     switching : cells without pressure leave the pressure equation;
     clipping : negative pressures are cut off afterwards;
-    rounding : c of Eq. (C6) [Pa], 0 for Eq. (C2).
+    rounding : p_r of Eq. (C6) [Pa], 0 for Eq. (C2).
     """
 
     conserving: bool
@@ -137,7 +137,7 @@ def shares(model: Cavitation, unknown: Array, full: Flags):
 
 @compiled(forceinline=True)
 def _rounded(u, rounding):
-    """Return p + c, u_v (1 - f) and their sum by Eq. (C6) [Pa], without cancellation."""
+    """Return p + p_r, u_v (1 - f) and their sum by Eq. (C6) [Pa], without cancellation."""
     product = rounding * VOID_PRESSURE
     difference = u + rounding
     root = np.sqrt(difference * difference + 4.0 * product)

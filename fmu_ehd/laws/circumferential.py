@@ -6,15 +6,16 @@ the circumference, as Eqs. (F1), (F2) along the axis:
 Eq. (F6):  tau_v = -(f c W - b dp/dx)
 Eq. (F7):  tau_a = -tau_b W / s,   s^2 = V^2 + W^2 + v0^2
 
-both on the journal, their opposites on the shell; V axial, W circumferential velocity of the
-journal relative to the shell. Their moment about the axis of the shell is R sum A (tau_v + tau_a);
-about the journal's own, eccentric, axis that of the pressure comes to it. Pressure at right angles
-to the journal does the work of dh/dt alone, and along it acts its own shear, Eq. (F6) less h grad
-p. So sliding costs
+Both act on the journal, their opposites on the shell. V and W are the axial and circumferential
+velocity of the journal relative to the shell. The moment about the axis of the shell is R sum A
+(tau_v + tau_a). That about the eccentric axis of the journal also contains the moment of the
+pressure. The pressure is normal to the journal and does only the work of dh/dt. The shear on the
+journal itself is Eq. (F6) less h grad p. The power of sliding is therefore
 
 Eq. (F8):  P = -sum A (V tau_y + W tau_x) + sum A h (V dp/dy + W dp/dx)
 
-which is the journal's speed times its moment about its own axis: what a table calls friction.
+which is the angular speed of the journal times the moment about its own axis. Tables of bearings
+call it friction.
 
 dp/dx is the central difference of face pressures, as dp/dy in `friction`. Arrays have the shape
 (n_c, n_a).

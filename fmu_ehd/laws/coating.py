@@ -28,7 +28,7 @@ from .contact import Contact, neighbour
 from .piezoviscosity import TruePressure
 
 LIMIT = 40  # Newton iterations
-TOLERANCE = 1e-11  # last change over the deflection: what is left is second order in it
+TOLERANCE = 1e-11  # last change over the deflection; the error is of second order in it
 NEGLIGIBLE = 1e-19  # [m]
 LARGEST_CHANGE = 0.3  # of a film in one iteration
 

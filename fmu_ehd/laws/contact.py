@@ -1,33 +1,32 @@
 """Asperity contact of a cell: the mean over the cell, in which the gap varies.
 
-Contact fades within a fraction of the roughness, and the profile of a skirt changes the gap by as
-much within one cell. The gap inside a cell is the parabola through its own film thickness and that
-of its neighbours, in both directions, x and y from the cell's centre in cells:
+Contact decreases to zero within a fraction of the roughness, and the profile of a skirt changes
+the gap by as much within one cell. The gap inside a cell is a parabola in both directions. It
+contains the film thickness of the cell and of its neighbours. x and y are in cells from the centre:
 
 Eq. (A7):  h(x, y) = h_c + x (h_e - h_w)/2 + x^2 (h_e - 2 h_c + h_w)/2
                          + y (h_n - h_s)/2 + y^2 (h_n - 2 h_c + h_s)/2
 Eq. (A8):  p = sum_q w_q p(h(x_q, y_q)),   dp/dh_k = sum_q w_q p'(h(x_q, y_q)) dh(x_q, y_q)/dh_k
 
 at Gauss points q with weights w_q; area fraction, boundary stress and energy likewise. Ovality and
-barrel are parabolas within a cell. Beyond an edge and a cut-out the gap continues linearly,
-h_n = 2 h_c - h_s, and it is constant between two of them. It does so beyond a step of the profile
-too. The gap steps between two cells where its jump is as large as a quarter of the roughness, and
-four times those before and behind. Its weight w is 1 there, 0 where the gap is smooth, and once
+barrel are parabolas within a cell. Beyond an edge, an opening or a step of the profile the gap
+continues linearly, h_n = 2 h_c - h_s. Between two of them it is constant. There is a step between
+two cells if the gap changes by at least a quarter of the roughness, and by four times its changes
+before and behind. The weight w of a step is 1 there, 0 where the gap is smooth, and once
 differentiable between:
 
 Eq. (A12):  w_i = S(8 |J_i|/sigma - 1) S(2 - 4 J_{i-1}/J_i) S(2 - 4 J_{i+1}/J_i)
             J_i = h_{i+1} - h_i,   S(x) = x^2 (3 - 2 x), 0 below 0 and 1 above 1
 Eq. (A15):  d_n = (1 - w_n) D_n - w_n (1 - w_s) D_s,   d_s likewise,   D_n = h_n - h_c
 
-d replaces D in Eq. (A7); beyond an edge and a cut-out w = 1. The jumps of a parabola are evenly
-spaced, so none of them is a step, and neither are those of a wave that is longer than 6 cells. The
-extrema of a smooth gap stay, because contact happens there. Contact on a step of a quarter of the
-roughness changes by less than 1 %, which bounds what the lower band brings.
-Steps belong to the profile, so they are located at the start of a run. Bodies that bend make no
-step. If the gap of each iteration decided instead, contact would follow the gap of cells farther
-than its neighbours.
+d replaces D in Eq. (A7); beyond an edge and an opening w = 1. The changes J of a parabola grow
+linearly, so none of them is a step, and neither are those of a wave that is longer than 6 cells.
+Extrema of a smooth gap remain parabolas, because contact happens there. A step of a quarter of the
+roughness changes the contact by less than 1 %, so w may rise gradually below it.
+Steps belong to the profile, so they are located at the start of a run. Bending bodies cause no
+steps. If each iteration located them, contact would depend on more cells than its neighbours.
 
-A coating yields by the pressure of its cell, so its deflection shifts the whole cell.
+The pressure of a cell deflects its coating alone, so the deflection shifts the whole cell.
 """
 
 from typing import NamedTuple
@@ -38,7 +37,7 @@ from ...master.fmi.compiled import compiled
 from ..common.grid import CENTRE, EAST, NORTH, SOUTH, WEST, Array, Cells, Flags, row_at
 from .asperity import TABLE_END, ContactConstants, point_contact
 
-# Eq. (A12): jumps over the roughness, and jumps beside a step over its own, of weights 0 and 1
+# Eq. (A12): J over the roughness, and adjacent J over that of the step, of weights 0 and 1
 SMOOTH_JUMP, STEP_JUMP = 0.125, 0.25
 SMOOTH_RATIO, STEP_RATIO = 0.5, 0.25
 OPPOSITE = (CENTRE, NORTH, SOUTH, EAST, WEST)
@@ -93,7 +92,7 @@ def _shares(x, before, after):
 
 
 @compiled(forceinline=True)
-def _beside(k, steps, i, j, open_cells, cells):
+def _cell_towards(k, steps, i, j, open_cells, cells):
     """Return the cell so many steps from cell (i, j) towards entry k of its stencil.
 
     Its row is -1 if there is no film.
@@ -134,9 +133,9 @@ def step_to(k, i, j, film_thickness, open_cells, roughness_rms, cells):
     jump, weight : float
         [m], [-].
     """
-    p, q = _beside(OPPOSITE[k], 1, i, j, open_cells, cells)
-    a, b = _beside(k, 1, i, j, open_cells, cells)
-    c, d = _beside(k, 2, i, j, open_cells, cells)
+    p, q = _cell_towards(OPPOSITE[k], 1, i, j, open_cells, cells)
+    a, b = _cell_towards(k, 1, i, j, open_cells, cells)
+    c, d = _cell_towards(k, 2, i, j, open_cells, cells)
     if p < 0 or a < 0 or c < 0:
         return 0.0, 0.0
     own = film_thickness[i, j]
@@ -251,7 +250,7 @@ def contact(
     if constants.roughness_rms <= 0.0:
         return of_cells
     reach = constants.summit_height + TABLE_END * constants.roughness_rms
-    higher = np.zeros(5)  # by how much the neighbours' gap is wider
+    higher = np.zeros(5)  # gaps of the neighbours minus that of the cell
     step = np.zeros(5)  # weights of the steps to the neighbours
     share = np.zeros(5)
     for i in range(n_c):
@@ -261,7 +260,7 @@ def contact(
             centre = film_thickness[i, j] + deflection[i, j]
             lowest = centre
             for k in (SOUTH, NORTH, WEST, EAST):
-                a, b = _beside(k, 1, i, j, open_cells, cells)
+                a, b = _cell_towards(k, 1, i, j, open_cells, cells)
                 step[k] = 0.0 if a >= 0 else 1.0
                 higher[k] = film_thickness[a, b] - film_thickness[i, j] if a >= 0 else 0.0
                 lowest -= 0.5 * abs(higher[k])

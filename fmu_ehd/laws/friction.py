@@ -45,7 +45,7 @@ CAVITY_SHEAR = ("film_fraction", "full_film")
 
 
 class ShearConstants(NamedTuple):
-    """Numbers that hold for the whole film.
+    """Constants of the whole film.
 
     lower, upper : pressure at the axial edges [Pa]; dy : axial cell size [m];
     rounding_velocity : v0 [m/s], > 0.
@@ -76,7 +76,7 @@ class ShearInputs(NamedTuple):
 
 
 class FrictionPowers(NamedTuple):
-    """Power that sliding costs, and the asperities' part of it [W]."""
+    """Friction power, and the part of the asperities in it [W]."""
 
     friction: float
     boundary: float
@@ -217,7 +217,7 @@ def viscous_force(inputs: ShearInputs):
 def shear_slopes(inputs: ShearInputs, turning: Array, film_slopes: FilmSlopes, by_pressure: Array):
     """Return the derivatives of the total axial force of each cell, Eqs. (F1), (F2).
 
-    The boundary stress is held.
+    The boundary stress is constant.
 
     Parameters
     ----------
@@ -268,7 +268,7 @@ def shear_slopes(inputs: ShearInputs, turning: Array, film_slopes: FilmSlopes, b
             to_shearing[i, j] = a * c * v
             to_gradient[i, j] = -a * film[POISEUILLE, i, j]
         for j in range(n_a - 1):
-            # beside openings, whose own pressure is held
+            # next to openings, whose pressure is constant
             if area[i, j] == 0.0:
                 to_pressure[i, j + 1] += to_gradient[i, j + 1] * half
             elif area[i, j + 1] == 0.0:
@@ -302,7 +302,7 @@ def force_changes(
     half = 0.5 / dy
     last = n_a - 1
     for i in range(n_c):
-        # what stands before the changes of a row stays in the cache for all directions
+        # the factors of a row remain in the processor's cache for all directions
         for q in range(m):
             for j in range(n_a):
                 p[j] = pressure_share[i, j] * dunknown[q, i, j]

@@ -94,7 +94,7 @@ def pressure_law(
     viscosity : ndarray, shape (n_c, n_a)
         Low-shear mu_0 [Pa s]; its mean is that of Eq. (O5).
     images : ndarray, shape (n_c, n_a)
-        Number of cells of the film that a cell represents, 0 in cut-outs: its weight in the mean.
+        Number of cells of the film that a cell represents, 0 in openings: its weight in the mean.
     table : ndarray of shape `TABLE`
         Overwritten by the table of Eq. (O5).
 

@@ -34,8 +34,8 @@ class SupportLoad(NamedTuple):
     """Moment of the film on the support of the shell about +z."""
 
 
-class YieldingShell:
-    """Deflection of a shell and the load on its support.
+class LoadedShell:
+    """Elastic shell under a film: its deflection and the load on its support.
 
     Parameters
     ----------

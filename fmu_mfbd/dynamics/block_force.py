@@ -1,8 +1,7 @@
-"""Forces of a cylinder on the block that carries it: bore, deck and main bearings together.
+"""Forces of a cylinder on its block, the sum of bore, deck and main bearings.
 
-Gas presses on crown and deck alike, film and rings on skirt and bore; the crank's drive stands
-outside the block and turns the crank without a force. What is left is the inertia of the moving
-parts.
+Gas acts equally on crown and deck, film and rings equally on skirt and bore. The drive of the crank
+is outside the block and applies a torque only. The sum is therefore the inertia of moving parts.
 """
 
 from typing import Annotated, NamedTuple

@@ -245,7 +245,7 @@ class BuildOptions:
     floating_pin : FloatingPin, optional
         None: the pin is tied.
     mounted : bool
-        Whether the block moves as another participant says, and says what presses on it.
+        Whether another participant moves the block and gets the forces on it.
     in_space : InSpace, optional
         None: the piston moves in its plane.
     crank_bearings : tuple of CrankBearing
@@ -253,7 +253,7 @@ class BuildOptions:
     symmetric_film : bool
         Whether the modes assume that the film is its own mirror image about the thrust plane.
     temperatures : WallTemperatures, optional
-        None: inputs give an even temperature of each wall, and there is none of the oil.
+        None: inputs give a uniform temperature of each wall, and the oil temperature is no output.
     slides : tuple of str
         Displacements in joints, of `force_elements.SLIDES`.
     """

@@ -81,7 +81,7 @@ def warmth(wall: WallTemperature | None, angle: np.ndarray, height: np.ndarray) 
 def machined(surfaces: np.ndarray, fit: Fit, p: Settings, radii: Radii) -> np.ndarray:
     """Return all film surfaces with profile, tilt and growth of skirt and bore.
 
-    A bore without a table for its widening stays a cylinder. `radii` are those of `free_radii`.
+    A bore without a table for its widening remains a cylinder. `radii` are those of `free_radii`.
     """
     out = surfaces.copy()
     warm(out, fit, p)

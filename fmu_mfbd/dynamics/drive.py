@@ -1,7 +1,4 @@
-"""Forces on the piston other than the film's, and scalar outputs of a step.
-
-The model and the native FMU both call them around `instant.end_of_step`.
-"""
+"""Scalar outputs of a step of the bodies: their declarations and values."""
 
 from typing import Annotated, NamedTuple
 
@@ -134,8 +131,8 @@ def scalars_of(
 ) -> Scalars:
     """Return the scalar outputs at an instant, the end of a step, or a start with step 0.
 
-    `drive` contains torque [N m] and effective inertia [kg m2], `warm` the change of the film
-    thickness with temperatures [m] and the work of the films on it [J].
+    `drive` contains torque [N m] and effective inertia [kg m2]. `warm` contains the change of the
+    film thickness with temperatures [m] and the work of the films on the growing walls [J].
     """
     step, crank, others = problem.coefficients.step, problem.crank, problem.others
     per_second = 1.0 / step if step > 0.0 else 0.0
@@ -163,7 +160,7 @@ def scalars_of(
         element_power=now.element_power,
         kinetic_energy=now.ledger.kinetic,
         piston_kinetic_energy=piston_kinetic_energy(system.chain.bodies, lateral, rocking),
-        lower_edge_velocity=lateral - rocking * lower,  # derivative of Eq. (X14)
+        lower_edge_velocity=lateral - rocking * lower,
         upper_edge_velocity=lateral - rocking * upper,
         elastic_energy=now.ledger.elastic,
         film_power=per_second * (now.ledger.film_work + warm_work),

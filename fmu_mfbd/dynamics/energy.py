@@ -1,17 +1,17 @@
-"""Energy of the motion across the bore: what the bodies hold, and what a step gave them."""
+"""Energy of the motion across the bore at the end of a step, and its change in the step."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from ...master.fmi.compiled import compiled
-from ..mechanism.floating_frame import Arrow
+from ..mechanism.floating_frame import ArrowMatrix
 from ..mechanism.generalised_alpha import Motion
 from ..mechanism.solution import arrow_product
 
 
 class EnergyLedger(NamedTuple):
-    """Energies at the end of a step, and what came in over it.
+    """Energies at the end of a step, and works during the step.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class EnergyLedger(NamedTuple):
     axial_work : float
         Part of `film_work` along the bore's axis [J].
     accounted : float
-        `kinetic` and what the rod holds by the motion of x_A (Eq. (K12)) [J].
+        `kinetic` and that of the rod by the motion of x_A (Eq. (K12)) [J].
     """
 
     kinetic: float
@@ -40,8 +40,8 @@ def energy_ledger(
     before: Motion,
     next_start: Motion,
     end: Motion,
-    inertia: Arrow,
-    with_rod: Arrow,
+    inertia: ArrowMatrix,
+    with_rod: ArrowMatrix,
     push: np.ndarray,
     driven: float,
     elastic: float,
@@ -59,7 +59,7 @@ def energy_ledger(
     ----------
     before, next_start, end : Motion
         At the start; at the end, as the next step starts from it and as the equations hold.
-    inertia, with_rod : Arrow
+    inertia, with_rod : ArrowMatrix
         M, without and with the rod.
     push : ndarray, shape (n,)
         Generalised forces Q of all films [N], [N m], [kg^-1/2 N].
@@ -97,7 +97,7 @@ def energy_ledger(
 
 
 @compiled
-def other_forces(with_rod: Arrow, acceleration: np.ndarray, push: np.ndarray) -> np.ndarray:
+def other_forces(with_rod: ArrowMatrix, acceleration: np.ndarray, push: np.ndarray) -> np.ndarray:
     """Compute all forces on the motion across the bore except the film's, shape (n,).
 
     They are forces of springs, damping, gas, pin and rod. The part that the rod's inertia needs is

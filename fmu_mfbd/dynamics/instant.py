@@ -289,9 +289,9 @@ def load_of(system: BodySystem, films: FilmForces, others: OtherForces) -> Load:
     The rings seal against the bore and float in their grooves. So the gas and the friction F_y of
     the rings act along the bore's axis at any position and angle of the piston. A is at pin offset
     + x_A from this axis. An even pressure in a land pushes the rings on either side of it along the
-    axis with equal and opposite forces, whose sum is 0. M is the moment of what the rings do across
-    the bore. Rings push a rigid piston: its modes feel the film and the gas on the crown alone,
-    those of the block the film and the gas on the wall (Eq. (D18)).
+    axis with equal and opposite forces, whose sum is 0. M is the moment of the forces of the rings
+    across the bore. Rings do not load the modes. The film and the gas on the crown load those of
+    the piston, and the film and the gas on the wall those of the block (Eq. (D18)).
     """
     rings = others.rings
     axis_force = others.gas - rings.axial

@@ -12,7 +12,7 @@ from ..geometry.film import NodalForces
 from ..geometry.pin import PinForces
 from ..geometry.surfaces import each_of, each_pin_of
 from ..mechanism.bdf2 import STATIC
-from ..mechanism.carrier import FIXED, Carrier
+from ..mechanism.carrier import FIXED, BlockMotion
 from ..mechanism.generalised_alpha import Coefficients, coefficients
 from ..mechanism.piston_motion import LATERAL, ROCKING
 from ..mechanism.slider_crank import CrankMotion, height
@@ -67,7 +67,7 @@ NO_FIELD = np.zeros(0)
 LOCKED_STIFFNESS = 1e30
 """Factor of the stiffness of quasi-static modes that locks them."""
 
-NOT_CARRIED = np.zeros(len(Carrier._fields))
+NOT_CARRIED = np.zeros(len(BlockMotion._fields))
 """No change of the block's motion."""
 
 
@@ -97,7 +97,7 @@ class Inputs:
         Between the rings, gauge [Pa].
     pins : tuple of PinForces
         Forces of the films of a floating pin.
-    carrier : Carrier
+    carrier : BlockMotion
         Motion of a mounted block.
     bore_deflection : ndarray, shape (n, s)
         Radial deflection of the bore if another participant gives it [m].
@@ -114,7 +114,7 @@ class Inputs:
     rings: RingForce = NO_RINGS
     land_pressure: float = 0.0
     pins: tuple[PinForces, ...] = ()
-    carrier: Carrier = FIXED
+    carrier: BlockMotion = FIXED
     bore_deflection: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     load_torque: float = 0.0
     crankcase_pressure: float = 0.0
@@ -410,7 +410,7 @@ class PistonInBore:
         rings : RingForce
             Direction.
         carried : ndarray, shape (4,)
-            Direction of a mounted block's motion, as `Carrier` has it.
+            Direction of a mounted block's motion, as `BlockMotion` has it.
         pins : tuple of PinForces
             Directions, of all films of the pin [N].
 
@@ -420,7 +420,7 @@ class PistonInBore:
             By output.
         """
         seed_inputs = Inputs(0.0, 0.0, pressure_force, friction_force, rings, pins=pins)
-        self._reject_unused(replace(seed_inputs, carrier=Carrier(*carried)))
+        self._reject_unused(replace(seed_inputs, carrier=BlockMotion(*carried)))
         seeds = stacked(seed_inputs)
         change = self._response(seeds, carried)
         products = {

@@ -2,15 +2,15 @@
 
 The coordinates are [x_A, rocking angle, z, roll, yaw].
 
-z is the shift of A along the pin, +z; roll and yaw are rotations about x and y of the axes that
-turn with the rocking angle. They are small, and the equations of first order in them; the motion in
-the plane is that of `mechanism`, on whose chain the piston acts by the force that it needs. The rod
-stays in its plane: its eye slides along the pin, and holds it square by what `Stop` says.
+z is the displacement of A along the pin, +z. Roll and yaw are rotations about the axes x and y of
+the frame that rotates with the rocking angle. They are small, and the equations are of first order
+in them. The motion in the plane is that of `mechanism`, on whose chain the piston acts by its
+force. The rod moves in its plane. Its eye slides along the pin, and a `Stop` resists its tilt.
 
-How stiff rod and eye are. The rod's bending across its plane, 3 E I/L = 95 kN m/rad for a web of
-15 000 mm^4 and 100 mm, the eye and the big end in series with it, and the play of both in their
-bearings: 2 C/b, 0.8 mrad for an eye of 36 mm with 15 um. Stiffness, damping and play along the pin
-are our own choice; no measured ones could be found.
+The stiffness of the eye contains the bending of the rod across its plane, 3 E I/L = 95 kN m/rad for
+a web of 15 000 mm^4 and 100 mm, in series with eye and big end. The play is that of the bearings,
+2 C/b, 0.8 mrad for an eye of 36 mm with 15 um. Stiffness, damping and play along the pin are our
+own choice, because we know no measured ones.
 """
 
 from typing import NamedTuple
@@ -67,7 +67,7 @@ class Stop(NamedTuple):
 
 
 class SpaceBodies(NamedTuple):
-    """Everything that moves, and what holds it.
+    """All moving bodies, and the stops and dampers on them.
 
     Parameters
     ----------
@@ -432,7 +432,7 @@ def inertia(bodies: SpaceBodies) -> np.ndarray:
     Eq. (D28):  q' . M q' = (m + m_pin) |V|^2 + 2 V . (W x S) + W . J W
                 V = (x_A', 0, z'),   W = (roll', yaw', rocking velocity)       the piston upright
 
-    Driven motion along the bore is none of it, nor is the rod, as with a piston in its plane.
+    It contains neither the driven motion along the bore nor the rod, as for a piston in its plane.
     """
     body = with_pin(bodies)
     lateral, rocking, shift, roll, yaw = np.eye(COORDINATES)

@@ -12,7 +12,7 @@ from ..force_elements.element import declared as _declared
 Kind = TypeVar("Kind")
 
 GAS_SOURCES = ("either", "table", "input", "sum")
-"""Values of `gas_source`; a native FMU knows them by their numbers from 1 on."""
+"""Values of `gas_source`; in a native FMU their numbers from 1 on."""
 GAS_TWICE = (
     "gas_pressure: the input and the built-in table are both used and add up; set gas_source to "
     "table, input or sum"
@@ -222,7 +222,7 @@ CRANK_PARAMETERS = {"big_end": BigEndParameters, "main_bearing": MainBearingPara
 """Surface of the crank -> its parameters."""
 
 CHOICES = {"gas_source": GAS_SOURCES, "film_symmetry": FILM_SYMMETRIES}
-"""Values of the parameters that are choices, which kernels know by their numbers from 1 on."""
+"""Values of the parameters that are choices; in kernels their numbers from 1 on."""
 WALL_PARAMETERS = {"skirt": SkirtTemperatureParameters, "bore": BoreTemperatureParameters}
 """Wall -> parameters of its temperature."""
 ELEMENT_PARAMETERS = tuple(dict.fromkeys(one.parameters for one in FORCE_ELEMENTS))
@@ -237,7 +237,7 @@ DECLARED = (
 )
 Settings = namedtuple("Settings", (one.name for kind in DECLARED for one in fields(kind)))
 Settings.__annotations__ = dict.fromkeys(Settings._fields, float)
-"""`Parameters` and those of pin and crank, as kernels know them: floats, 0 if absent."""
+"""`Parameters` and those of pin and crank for kernels: floats, 0 if absent."""
 
 
 def parameters_from(kind: type[Kind], values: Mapping[str, Any]) -> Kind:

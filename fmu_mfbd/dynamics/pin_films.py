@@ -58,8 +58,8 @@ def damp_modes(kinds: np.ndarray, chain: Chain, p: Any) -> None:
 
 
 @compilable
-def on_film(surface: PinSurface, forces: PinForces, first: int) -> PinForces:
-    """Return the forces of a film, which begin with `first` of stacked ones."""
+def forces_on_film(surface: PinSurface, forces: PinForces, first: int) -> PinForces:
+    """Return the forces of one film, which start at cell `first` of the stacked ones."""
     last = first + surface.outward.shape[1] * len(surface.clearance)
     return PinForces(forces.pressure[first:last], forces.circumferential[first:last])
 
@@ -88,7 +88,7 @@ def film_pushes(of: BodySystem, forces: PinForces) -> np.ndarray:
     cell, first = 0, 0
     for e in range(films):
         surface = pin_surface_at(of.pin_surfaces, e)
-        own = on_film(surface, forces, cell)
+        own = forces_on_film(surface, forces, cell)
         cell += len(own.pressure)
         push = shell_pushes(surface, own)
         for k in range(push.shape[1]):
@@ -118,7 +118,7 @@ def applied_forces(
     cell, slope = 0, 0
     for e in range(pins_of(of.pin_surfaces)):
         surface = pin_surface_at(of.pin_surfaces, e)
-        own = on_film(surface, forces, cell)
+        own = forces_on_film(surface, forces, cell)
         cell += len(own.pressure)
         still = np.zeros((surface.axis.shape[1], 2))
         resultants = resultants_on(surface, own, np.zeros(2), axes_of(1.0, 0.0), still)
@@ -192,7 +192,7 @@ class PinFilmState(NamedTuple):
     friction_power : float
         Friction power of the films of the pin [W].
     driven : float
-        Power on rod and crank, whose angles are no coordinates [W].
+        Power on rod and crank, whose angles are not coordinates [W].
     """
 
     film_thickness: np.ndarray
@@ -223,7 +223,7 @@ def pin_films(
     for e in range(len(errors)):
         surface = pin_surface_at(of.pin_surfaces, e)
         shell = shell_of(of.chain.elements, at, end, e)
-        own = on_film(surface, forces, first)
+        own = forces_on_film(surface, forces, first)
         last = first + len(own.pressure)
         opened = yielded(surface, shell_modes_of(of.chain.elements, end.position, e))
         wider[e, X], wider[e, Y] = diameters(opened)

@@ -8,7 +8,7 @@ from ...master.fmi.compiled import compilable, compiled
 from ..geometry.film import FilmForces, NodalForces
 from ..geometry.pin import PinForces
 from ..mechanism.bdf2 import reach_of
-from ..mechanism.carrier import Carrier
+from ..mechanism.carrier import BlockMotion
 from ..mechanism.cylinder import piston_of
 from ..mechanism.derivative import pushed_forces
 from ..mechanism.floating_frame import TURN, Y
@@ -60,7 +60,7 @@ class StepInputs(NamedTuple):
     skirt, pins : NodalForces, PinForces
         Nodal forces of all films, stacked [N].
     rings : RingForce
-    carrier : Carrier
+    carrier : BlockMotion
         Motion of a mounted block.
     piston_temperature, bore_temperature : float
         [K]
@@ -76,7 +76,7 @@ class StepInputs(NamedTuple):
     skirt: NodalForces
     pins: PinForces
     rings: RingForce
-    carrier: Carrier
+    carrier: BlockMotion
     piston_temperature: float
     bore_temperature: float
     fields: FieldInputs
@@ -166,7 +166,7 @@ def pushed_motion(
     of: BodySystem,
     last: StepEnd,
     seeds: StepInputs,
-    carrier: Carrier,
+    carrier: BlockMotion,
     is_exact: bool,
 ) -> PushedMotion:
     """Return the change of the motion at the end of a step with the forces there.
@@ -177,7 +177,7 @@ def pushed_motion(
     ----------
     of : BodySystem
     last : StepEnd
-    seeds, carrier : StepInputs, Carrier
+    seeds, carrier : StepInputs, BlockMotion
         Directions of forces and of the block's motion.
     is_exact : bool
         Else modes do not slide along the skirt's films and are not coupled (Eq. (D4)), as in
@@ -229,7 +229,7 @@ def response(
     of: BodySystem,
     last: StepEnd,
     seeds: StepInputs,
-    carrier: Carrier,
+    carrier: BlockMotion,
     lever: float,
 ) -> Response:
     """Return the change at the end of a step with the forces there and the block's motion.
@@ -240,7 +240,7 @@ def response(
     ----------
     of : BodySystem
     last : StepEnd
-    seeds, carrier : StepInputs, Carrier
+    seeds, carrier : StepInputs, BlockMotion
         Directions of forces and of the block's motion.
     lever : float
         dY_0/dphi of Eq. (D70), 0 if nobody reads the moment on the block [m].

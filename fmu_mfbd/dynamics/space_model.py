@@ -12,7 +12,7 @@ import numpy as np
 from ..geometry.film import NodalForces
 from ..geometry.space import Levers, levers, slope_around
 from ..mechanism.cylinder import BODY
-from ..mechanism.floating_frame import TURN, Arrow, Y
+from ..mechanism.floating_frame import TURN, ArrowMatrix, Y
 from ..mechanism.generalised_alpha import Coefficients, Motion, predict
 from ..mechanism.impact import UNLIMITED, Inertia, limit_memory, longest_step
 from ..mechanism.piston_motion import LATERAL, RIGID, ROCKING
@@ -128,7 +128,7 @@ class PistonInSpace(PistonInBore):
         self.coordinates = COORDINATES
         self.bodies = bodies
         self.around = tuple(slope_around(one.bore) for one in self.film_surfaces)
-        self.inertia = Arrow(inertia(bodies), np.zeros((0, COORDINATES)), np.zeros(0))
+        self.inertia = ArrowMatrix(inertia(bodies), np.zeros((0, COORDINATES)), np.zeros(0))
         self.with_rod = self.inertia._replace(top=self.inertia.top.copy())
         self.with_rod.top[:RIGID, :RIGID] += self.system.with_rod.top - self.system.inertia.top
 
@@ -255,8 +255,8 @@ class PistonInSpace(PistonInBore):
     ) -> SpaceSolution:
         """Solve Eq. (D27) for the accelerations at the end of a step, by Newton's method.
 
-        If the next change is no smaller than a change, that change is halved, and where changes
-        fall slowly the tangent is recomputed, as in `mechanism.solution`.
+        If the next change is not smaller than the last one, the last one is halved. If changes
+        decrease slowly, the tangent is recomputed, as in `mechanism.solution`.
         """
         predicted = predict(c, before, auxiliary)
         acceleration = before.acceleration.copy()
@@ -278,7 +278,7 @@ class PistonInSpace(PistonInBore):
             next_change = np.linalg.solve(slope, forces.residual)
             size = np.abs(acceleration).max()
             left = np.abs(next_change).max()
-            # what grows again, or does not fall by ten, is round-off of forces that cancel
+            # a change that does not decrease tenfold is round-off of forces that cancel
             if left <= 1e-13 * size or (change <= 1e-7 * size and left >= 0.1 * change):
                 return SpaceSolution(
                     load=load,
@@ -378,5 +378,5 @@ class PistonInSpace(PistonInBore):
 
 
 def on_cells(fields: Iterable[np.ndarray]) -> np.ndarray:
-    """Return fields of all surfaces, stacked."""
+    """Return the fields of all surfaces in one array."""
     return np.concatenate([field.ravel() for field in fields])

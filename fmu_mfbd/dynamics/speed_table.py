@@ -86,7 +86,7 @@ def crank_motion(table: SpeedTable, angle: float, time: float, step: float) -> C
     """Return the motion of the crank a step after an angle.
 
     Eq. (I3):  over time:   phi = phi_0 + S(t + h) - S(t),  S = S_i + w_i tau + k tau^2/2,
-                            k = dw/dt in segment i; the outermost speeds are held beyond the ends
+                            k = dw/dt in segment i; the outermost speeds continue beyond the ends
     Eq. (I4):  over angle:  t_i to a point of segment i: tau = ln(1 + k (phi - phi_i)/w_i)/k,
                             k = dw/dphi;  back: phi = phi_i + w_i (exp(k tau) - 1)/k,
                             w = w_i exp(k tau),  w' = k w
@@ -153,5 +153,5 @@ def slope_of(table: SpeedTable, k: int) -> float:
 
 @compilable
 def segment(points: np.ndarray, value: float) -> int:
-    """Return the number of the segment that holds a value, the earlier one at a common point."""
+    """Return the number of the segment that contains a value, the earlier one at a common point."""
     return min(max(int(np.searchsorted(points, value)) - 1, 0), len(points) - 2)

@@ -67,7 +67,7 @@ def read_start(path: Path | str) -> StartState:
     Parameters
     ----------
     path : Path
-        JSON file of outputs by name, numbers or lists of numbers; those of FIELDS may be left out.
+        JSON file of outputs by name, numbers or lists of numbers; those of `FIELDS` are optional.
 
     Returns
     -------
@@ -76,7 +76,7 @@ def read_start(path: Path | str) -> StartState:
     Raises
     ------
     ValueError
-        Naming what is missing or not a number.
+        With what is missing or not a number.
     """
     name = Path(path).name
     try:
@@ -104,14 +104,14 @@ def read_start(path: Path | str) -> StartState:
 def check_start(start: StartState, modes: int, bearings: int) -> None:
     """Raise ValueError unless a start has these numbers of modes and of coordinates of bearings.
 
-    The modes are those of piston and block together.
+    `modes` is the number of modes of piston and block.
     """
     each = zip(
         FIELDS, (modes, modes, bearings, bearings), ("mode", "mode", "coordinate", "coordinate")
     )
-    for key, unit, of in each:
-        if len(values := getattr(start, key)) != unit:
+    for key, count, of in each:
+        if len(values := getattr(start, key)) != count:
             raise ValueError(
-                f"start: expected {unit} values of {key}, one per {of}, got {len(values)}; "
+                f"start: expected {count} values of {key}, one per {of}, got {len(values)}; "
                 "a run records them every record.every"
             )

@@ -1,4 +1,4 @@
-"""A step of the bodies and its derivatives, as both FMUs take it."""
+"""A step of the bodies and its derivatives, for the Python and the native FMU."""
 
 from collections import namedtuple
 from typing import Any, NamedTuple
@@ -7,7 +7,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..mechanism.bdf2 import predicted_of, reach_of
-from ..mechanism.carrier import FIXED, carrier_from
+from ..mechanism.carrier import FIXED, block_motion_from
 from ..mechanism.cylinder import piston_of
 from ..mechanism.derivative import drive_inertia
 from ..mechanism.floating_frame import TURN, Y
@@ -152,7 +152,7 @@ def at_rest(crank: CrankMotion, position: np.ndarray, velocity: np.ndarray) -> P
 def is_started(settings: Settings, crank: CrankMotion, state: PistonState) -> bool:
     """Return whether the start of a free crank needs no further pass.
 
-    Eq. (K9) holds the accelerations of the piston, which change with that of the crank.
+    Eq. (K9) contains the accelerations of the piston, which change with that of the crank.
     """
     change = state.crank_acceleration - crank.acceleration
     free = settings.crank_free != 0.0
@@ -194,8 +194,8 @@ def crank_after(model: BodyModel, state: PistonState, step: float, speed: float)
 def warning_of(model: BodyModel, inputs: StepInputs) -> float:
     """Return the number of a warning in `contradictions.FAULTS`, -1 without one.
 
-    Input and table may both give the gas pressure, although none was chosen. A load torque has no
-    effect on a crank of prescribed speed.
+    It warns if input and table both give a gas pressure without a choice of `gas_source`, and of a
+    load torque on a crank of prescribed speed, where it has no effect.
     """
     both = len(model.gas.angle) > 0 and inputs.gas_pressure != 0.0
     if both and model.settings.gas_source == GAS.either:
@@ -226,7 +226,7 @@ def instant_of(model: BodyModel, step: StepProblem, inputs: StepInputs) -> Insta
     return end_of_step(model.parts, step, inputs.skirt, inputs.pins)
 
 
-class Warmth(NamedTuple):
+class HeatEffect(NamedTuple):
     """Effect of the walls' temperatures on the films of the skirt at the end of a step.
 
     Parameters
@@ -248,10 +248,10 @@ class Warmth(NamedTuple):
 
 
 @compilable
-def warmth_at(
+def heat_effect(
     model: BodyModel, before: PistonState, inputs: StepInputs, guide_height: float
-) -> Warmth:
-    """Return what the temperatures do when the bore is read at the height `guide_height` [m]."""
+) -> HeatEffect:
+    """Return the effect of the temperatures; A is at `guide_height` above the crank axis [m]."""
     surfaces, p = model.parts.surfaces, model.settings
     skirt = level_of(inputs.fields.skirt, inputs.piston_temperature)
     bore = level_of(inputs.fields.bore, inputs.bore_temperature)
@@ -264,7 +264,7 @@ def warmth_at(
     if len(growth) > 0 and len(before.field_growth) > 0:
         warmed = before.field_growth, growth
         work += field_work(surfaces, model.cold, force, guide_height, *warmed)
-    return Warmth(opening, growth, work, oil_temperatures(surfaces, guide_height, skirt, bore))
+    return HeatEffect(opening, growth, work, oil_temperatures(surfaces, guide_height, skirt, bore))
 
 
 @compilable
@@ -295,26 +295,26 @@ def result_of(
     settings = model.settings
     crank = step.crank
     last = StepEnd(step.coefficients, now.guide_height, now.end, crank, now.linear)
-    _turn_block(model, last, inputs.skirt.pressure)
+    _add_slopes_of_bore(model, last, inputs.skirt.pressure)
     torque = now.torque + settings.crank_inertia * crank.acceleration
     jerk = 0.0
     if settings.crank_free != 0.0:
-        freed = released(model, last, crank, torque + inputs.load_torque)
+        freed = free_acceleration(model, last, crank, torque + inputs.load_torque)
         if step.coefficients.step > 0.0:
             jerk = (freed - before.crank_acceleration) / step.coefficients.step
         crank = CrankMotion(crank.angle, crank.speed, freed)
         torque = -inputs.load_torque
     steps = before.steps if step.coefficients.step == 0.0 else before.steps + 1
-    warmth = warmth_at(model, before, inputs, now.guide_height)
-    opening = warmth.opening
+    heat = heat_effect(model, before, inputs, now.guide_height)
+    opening = heat.opening
     for k in range(len(now.films.film_thickness)):
         now.films.film_thickness[k] += opening
-    grown = opening, warmth.growth
+    grown = opening, heat.growth
     state = state_at(before, step.coefficients.step, now, crank, jerk, time, steps, grown)
     energy = EnergyAccount(now.ledger.axial_work, now.ledger.accounted, 0.0)
     warm_work = 0.0
     if steps > 0:
-        warm_work = warmth.work
+        warm_work = heat.work
         energy = account(
             (before.kinetic, state.kinetic),
             state.position - before.position,
@@ -328,7 +328,7 @@ def result_of(
         scalars=scalars_of(now, step, (torque, inertia), energy, system, (opening, warm_work)),
         state=state,
         last=last,
-        oil_temperature=warmth.oil,
+        oil_temperature=heat.oil,
     )
 
 
@@ -339,8 +339,8 @@ def _lever(model, crank):
 
 
 @compilable
-def _turn_block(model, last, pressure):
-    """Add to the derivative of the moment on the block what slopes by modes of the bore do."""
+def _add_slopes_of_bore(model, last, pressure):
+    """Add the slopes by modes of the bore to the derivative of the moment on the block."""
     lever = _lever(model, last.crank)
     if lever == 0.0:
         return
@@ -353,7 +353,7 @@ def _turn_block(model, last, pressure):
 
 
 @compilable
-def released(model: BodyModel, last: StepEnd, crank: CrankMotion, torque: float) -> float:
+def free_acceleration(model: BodyModel, last: StepEnd, crank: CrankMotion, torque: float) -> float:
     """Return the acceleration at which the torques on a free crank balance [rad/s2].
 
     Eq. (K9):  torque(w') + load_torque = 0,   torque linear in w'
@@ -373,7 +373,7 @@ def response_to(
 ) -> Response:
     """Return the change at the end of a step with forces and the block's motion (4,)."""
     lever = _lever(model, last.crank)
-    return response(model.parts, last, seeds, carrier_from(carried), lever)
+    return response(model.parts, last, seeds, block_motion_from(carried), lever)
 
 
 @compilable
@@ -467,7 +467,7 @@ def films_at(
     load = load_of(of, total_forces(parts), others_at(model, inputs, crank))
     loads = loads_at(of.chain, applied_forces(of, load, inputs.pins, pushes), at, end)
     pins = pin_films(of, inputs.pins, pushes, loads, at, end)
-    opening = warmth_at(model, before, inputs, guide.height).opening
+    opening = heat_effect(model, before, inputs, guide.height).opening
     return PlacedFilms(
         FilmChange(skirt.film_thickness + opening, skirt.sliding_velocity),
         FilmChange(pins.film_thickness, pins.circumferential_velocity),

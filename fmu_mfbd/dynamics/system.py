@@ -5,9 +5,9 @@ from typing import NamedTuple
 from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Vector
 from ..geometry.pin_shapes import AxisShapes
-from ..mechanism.carrier import FIXED, Carrier
+from ..mechanism.carrier import FIXED, BlockMotion
 from ..mechanism.chain import Chain
-from ..mechanism.floating_frame import Arrow, Y
+from ..mechanism.floating_frame import ArrowMatrix, Y
 from ..mechanism.generalised_alpha import Coefficients, Motion
 from ..mechanism.impact import Inertia
 from ..mechanism.slider_crank import CrankMotion, Mechanism
@@ -18,7 +18,7 @@ class BodySystem(NamedTuple):
     """All bodies of a cylinder and the geometry of all films.
 
     Fields of all films of the skirt are stacked: the cells of the first, (c, a) in C order, then
-    those of the second. Those of pin and crank are stacked likewise.
+    those of the second. Fields of pin and crank are stacked in the same way.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class BodySystem(NamedTuple):
         Chain of `mechanism.cylinder`.
     kinds : ndarray, shape (n,)
         Time integrator of each coordinate, as of `bdf2.reach_of`.
-    inertia, with_rod : Arrow
+    inertia, with_rod : ArrowMatrix
         `cylinder.motion_across` without and with the rod.
     shapes : AxisShapes
         Shapes of the pin.
@@ -45,8 +45,8 @@ class BodySystem(NamedTuple):
 
     chain: Chain
     kinds: Vector
-    inertia: Arrow
-    with_rod: Arrow
+    inertia: ArrowMatrix
+    with_rod: ArrowMatrix
     shapes: AxisShapes
     mechanism: Mechanism
     surfaces: Vector
@@ -79,7 +79,7 @@ class RingForce(NamedTuple):
     axial : float
         Along y, towards the head, on the bore's axis [N].
     moment : float
-        About A, about +z, beside that of `axial` [N m].
+        About A and +z, in addition to that of `axial` [N m].
     """
 
     lateral: float
@@ -98,14 +98,14 @@ class OtherForces(NamedTuple):
     rings : RingForce
     wall : WallPressures
         Pressures of the gas on the bore.
-    carrier : Carrier
+    carrier : BlockMotion
         Motion of the block.
     """
 
     gas: float
     rings: RingForce
     wall: WallPressures
-    carrier: Carrier = FIXED
+    carrier: BlockMotion = FIXED
 
 
 class StepProblem(NamedTuple):

@@ -1,6 +1,6 @@
 """Temperatures of skirt and bore: free growth of both walls, its work, and the oil between them.
 
-The temperature of a wall is its level, an input, plus a field. Without build options it is even.
+The temperature of a wall is its level, an input, plus a field. Without build options it is uniform.
 A field of the build options does not change. A field of an input may change between steps.
 """
 
@@ -87,7 +87,7 @@ def thermal_opening(
 
     Eq. (I12):  w = alpha_b R_b (T_b - T_0) - alpha_p R_p (T_p - T_0)
 
-    Piston and bore grow freely: the mechanism and films of pin and crank stay as they are.
+    Piston and bore grow freely. The mechanism and the films of pin and crank do not change.
     `wall_growth` adds what differs from the level.
     """
     bore = p.bore_expansion * radii.bore * (bore_temperature - p.reference_temperature)

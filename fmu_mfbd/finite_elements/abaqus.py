@@ -243,7 +243,7 @@ def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
 
 
 class _Assembly:
-    """All instances together.
+    """All instances as one mesh.
 
     Members of a set of nodes are rows of nodes, those of a set of elements are their part and
     number, those of a surface are corners of faces.
@@ -265,7 +265,7 @@ class _Assembly:
                 self._define(k, keyword)
 
     def _define(self, k, keyword):
-        """Note a set by its name and, for an instance, as INSTANCE.NAME."""
+        """Add the definition of a set by its name and, for an instance, as INSTANCE.NAME."""
         options = keyword.options
         table = keyword.name
         if table == "SURFACE":
@@ -303,7 +303,7 @@ class _Assembly:
         for name, members in tables["ELSET"].items():
             if triangles := [face for key in members for face in self._triangle(*key)]:
                 faces.setdefault(name, triangles)
-        instances = self._instances()  # before and instead of sets with their names
+        instances = self._instances()  # they are first and replace sets of the same name
         return Deck(
             points=np.vstack([np.zeros((0, 3)), *(part.points() for part in self.parts)]),
             tets=tetrahedra(tets),
@@ -438,7 +438,7 @@ class _Assembly:
 
 
 def _keywords(path: Path) -> Iterator[Keyword]:
-    """Yield the keywords with their data, those of included files included."""
+    """Yield the keywords with their data, also those of included files."""
     keyword = None
     for line in lines_of(path, _clean, _include):
         if line.startswith("*"):

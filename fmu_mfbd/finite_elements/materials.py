@@ -96,7 +96,7 @@ def units_of(length: float) -> dict[str, float]:
     return {"young": stress, "poisson": 1.0, "density": density, "expansion": 1.0}
 
 
-def replaced(sets: ElementSets, values: Mapping[str, float | None]) -> list[str]:
+def replacement_remarks(sets: ElementSets, values: Mapping[str, float | None]) -> list[str]:
     """Return a sentence if values of the case for the body differ from those of the file."""
     units = units_of(sets.length)
     used = sorted({*sets.materials} - {*UNSTATED})

@@ -258,7 +258,7 @@ def _by_meshio(path: Path) -> Deck:
 
     try:
         raw = meshio.read(path)
-    except (Exception, SystemExit) as error:  # its readers raise whatever comes, or exit
+    except (Exception, SystemExit) as error:  # its readers raise any error, or exit
         reason = "" if isinstance(error, SystemExit) else f" (meshio: {error})"
         raise MeshFault(f"{UNREADABLE}{reason}; {FORMATS}") from None
     tets: list[list[int]] = []

@@ -130,7 +130,7 @@ def _by_meshio(path, quantity, field):
 
     try:
         raw = meshio.read(path)
-    except (Exception, SystemExit) as error:  # its readers raise whatever comes, or exit
+    except (Exception, SystemExit) as error:  # its readers raise any error, or exit
         text = str(error) or "meshio cannot read it"
         raise MeshFault(f"expected .csv, .frd, .vtu or .vtk with results, got {text}") from None
     count = len(quantity.columns)

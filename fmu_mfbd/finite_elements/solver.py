@@ -80,8 +80,8 @@ class Pardiso:
     """Cholesky factors of the MKL's PARDISO with the number of `threads`.
 
     Parameters and errors are those of `SuperLU`. It raises ImportError without pypardiso, and
-    MemoryError if there is too little memory. Of the faster solvers only PARDISO has wheels for all
-    platforms.
+    MemoryError if there is too little memory. PARDISO is the only one of the faster solvers with
+    wheels for all platforms.
     """
 
     FACTORISE, SOLVE, RELEASE, MEMORY, SYMMETRIC, NOT_POSITIVE = 12, 33, -1, -2, 2, -4

@@ -13,7 +13,7 @@ from .arrays import Matrix
 from .modal_field import ModalField, modal_field, read, read_both, spread
 
 NO_TEMPERATURE = np.zeros((0, 0))
-"""Temperature of a wall of which none is given."""
+"""Temperature field of a wall without one."""
 
 
 class Skirt(NamedTuple):
@@ -240,7 +240,7 @@ def window_at(lowest: float, spacing: float, height_of_A: float, rows: np.ndarra
     height_of_A : float
         Above the crank axis [m].
     rows : ndarray, shape (a,)
-        Heights of the grid rows above A, rising [m].
+        Heights of the grid rows above A, ascending [m].
 
     Returns
     -------
@@ -430,7 +430,7 @@ def generalised(
     window : Window
     forces : NodalForces
     sliding_modes : bool
-        Whether modes slide: those of an inexact derivative do not.
+        Whether the sliding velocity of modes counts. An inexact derivative omits it.
 
     Returns
     -------
@@ -449,7 +449,7 @@ def generalised(
         on_axial = on_knots(window, window.value, drag)
         subtract(block, spread(bore.axial, window.first, on_axial))
     out = np.concatenate((np.zeros(2), piston, block))
-    return FilmForces(put_resultants(skirt, forces, out), out)
+    return FilmForces(write_resultants(skirt, forces, out), out)
 
 
 @compiled
@@ -468,7 +468,7 @@ def slope_push(bore: BoreSplines, window: Window, pressure: np.ndarray) -> Slope
 
 
 @compiled
-def put_resultants(skirt: Skirt, forces: NodalForces, push: np.ndarray) -> float:
+def write_resultants(skirt: Skirt, forces: NodalForces, push: np.ndarray) -> float:
     """Write lateral force and moment about A of the film into `push`, and return the axial force.
 
     Eq. (G1):  lateral = -sum F sin theta,  axial = sum f
@@ -534,7 +534,7 @@ def film_now(
     window : Window
     forces : NodalForces
     axial_velocity, guided_velocity : float
-        Velocity of A, and of the height at which the bore is read [m/s].
+        Velocity of A, and of the height Y_0 at which the bore is read [m/s].
     position, velocity : ndarray, shape (2 + k + k',)
         [x_A, rocking angle, piston then block modal coordinates] and velocities.
 

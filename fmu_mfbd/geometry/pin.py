@@ -2,7 +2,8 @@
 
 Points (i, j) of the grid are fixed to the shell; arrays are (n_circumferential, n_axial). i counts
 from the shell's own +x towards its +y, about +z: a = 2 pi (i - 1)/n. The pin does not move along
-the shell. It is parallel to it, or tilts and bends by shapes of its axis, which are read by row.
+the shell. It is parallel to the shell, or tilts and bends by shapes of its axis, which have a value
+for each row.
 """
 
 from typing import Annotated, NamedTuple
@@ -32,9 +33,9 @@ class ShellModes(NamedTuple):
 
 
 class ModeMotion(NamedTuple):
-    """Modal coordinates of a shell, (k,), or of a pin's shapes along x and y, (n, 2) [kg^1/2 m].
+    """Modal coordinates and their velocities.
 
-    And their velocities.
+    They are those of a shell, (k,), or of the shapes of a pin along x and y, (n, 2) [kg^1/2 m].
     """
 
     position: np.ndarray

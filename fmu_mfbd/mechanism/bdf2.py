@@ -1,8 +1,9 @@
-"""BDF2 of variable steps: time integration of coordinates that films or springs hold.
+"""BDF2 of variable steps: time integration of the stiff coordinates.
 
-Films hold the pin within its play, springs the modes that bend away from it. What inertia does
-there is over within microseconds, far below a step. BDF2 follows such a load with order 2 and
-without ringing. A stop within a step is bounded as one of the piston is (Eq. (N7)).
+These are displacements of the pin within its play, which films resist, and modes next to these
+films, which springs resist. Their free motion decays within microseconds, far below a step. BDF2
+follows such a load with order 2 and without oscillation. A stop within a step is bounded as one of
+the piston, Eq. (N7).
 
 References
 ----------

@@ -1,6 +1,6 @@
-"""A cylinder block that moves: what its motion adds to the accelerations of bodies in it.
+"""A moving cylinder block, the carrier of the mechanism, and the accelerations that it adds.
 
-All coordinates of the mechanism are those in the block. The block moves in the plane of the
+All coordinates of the mechanism are relative to the block. The block moves in the plane of the
 cylinder: its acceleration at the crank axis, its angular acceleration and velocity.
 """
 
@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ...master.fmi.compiled import compilable, packed
 
 
-class Carrier(NamedTuple):
+class BlockMotion(NamedTuple):
     """Motion of the block in the plane of the cylinder, in the block's axes.
 
     Parameters
@@ -26,15 +26,17 @@ class Carrier(NamedTuple):
     w: float
 
 
-_, carrier_from = packed(Carrier)
+_, block_motion_from = packed(BlockMotion)
 
-FIXED = Carrier(0.0, 0.0, 0.0, 0.0)
+FIXED = BlockMotion(0.0, 0.0, 0.0, 0.0)
 """A block that does not move."""
 
 
 @compilable
-def transport(carrier: Carrier, x: float, y: float, vx: float, vy: float) -> tuple[float, float]:
-    """Return the part of a point's acceleration that comes from the block's motion.
+def transport(
+    carrier: BlockMotion, x: float, y: float, vx: float, vy: float
+) -> tuple[float, float]:
+    """Return the part of a point's acceleration by the motion of the block.
 
     The point is at (x, y) from the crank axis and moves in the block at (vx, vy).
 

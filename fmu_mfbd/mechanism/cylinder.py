@@ -29,7 +29,7 @@ from .carrier import FIXED
 from .chain import BLOCK, IN_BLOCK, NONE, Bodies, Chain, Elements, Joints, Laws, put_tips
 from .derivative import chain_derivative
 from .equations import chain_forces
-from .floating_frame import Arrow, FlexibleBody, X, Y
+from .floating_frame import ArrowMatrix, FlexibleBody, X, Y
 from .generalised_alpha import Motion
 from .loads import no_loads
 from .modal_damping import ModalSprings
@@ -404,7 +404,7 @@ def floats(chain: Chain) -> bool:
 
 @compilable
 def film_of(chain: Chain, shell: int) -> int:
-    """Return the number of the film of the crank in the rod or the block, `NONE` without it."""
+    """Return the number of the film of the crank in the rod or the block, or `NONE`."""
     elements = chain.elements
     for e in range(len(elements.play)):
         of_crank = elements.acts[e] == BODY.crank and elements.reacts[e] == shell
@@ -433,16 +433,17 @@ def integrators(c: CylinderParts, chain: Chain) -> np.ndarray:
 
 
 @compilable
-def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
+def motion_across(c: CylinderParts, of_rod: float) -> ArrowMatrix:
     """Return M of the motion across the bore and of the pin in its shells.
 
     Eq. (D22):  T = q' . M q'/2      of piston and pin, the piston upright, the rod's eye along the
                                      bore as its big end, at rest without play in it; all other
                                      modes by their own inertia
+    Eq. (K12):  T += (k^2 m_r + J_r / L^2) eye'^2/2        the rod swings with its eye
     Eq. (D35):  T += m_r (delta'^2 + 2 k eye' delta_x')/2 + m_c m'^2/2      eye = x_S - delta_x
 
-    With the rod, it swings with its eye (Eqs. (K12), (K16)), and rod and crank move by the play at
-    the crank. Driven motion along the bore is none of it, as with a pin that is tied.
+    Eqs. (K12) and (D35) are the parts of rod and crank, which move by the play at the crank. Eq.
+    (K16) gives the eye. T omits the driven motion along the bore, as with a tied pin.
 
     Parameters
     ----------
@@ -460,7 +461,7 @@ def motion_across(c: CylinderParts, of_rod: float) -> Arrow:
     loads = no_loads(chain)
     forces = chain_forces(chain, loads, still, CrankMotion(0.0, 0.0, 0.0), FIXED)
     by = Increments(none, none, np.ones(m + k))
-    arrow = chain_derivative(chain, loads, still, forces, by).arrow  # Eqs. (D22), (D35)
+    arrow = chain_derivative(chain, loads, still, forces, by).arrow  # Eqs. (D22), (K12), (D35)
     kinds = integrators(c, chain)
     for i in range(k):
         if kinds[m + i] == STATIC:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from .angles import add_angle_row_changes
-from .carrier import FIXED, Carrier
+from .carrier import FIXED, BlockMotion
 from .chain import Chain, Loads
 from .equations import (
     ChainForces,
@@ -16,7 +16,7 @@ from .equations import (
     point_of,
     subtract_loads,
 )
-from .floating_frame import TURN, Arrow, X, Y
+from .floating_frame import TURN, ArrowMatrix, X, Y
 from .generalised_alpha import Motion
 from .inertia import inertia_changes, shaken_forces
 from .laws import subtract_law_changes
@@ -30,14 +30,14 @@ class ChainDerivative(NamedTuple):
 
     Parameters
     ----------
-    arrow : Arrow
+    arrow : ArrowMatrix
         Derivative of the residual, with m rigid motions and k modes.
     torque : ndarray, shape (m + k,)
     on_block : ndarray, shape (3, m + k)
     motion : MotionChanges
     """
 
-    arrow: Arrow
+    arrow: ArrowMatrix
     torque: np.ndarray
     on_block: np.ndarray
     motion: MotionChanges
@@ -82,7 +82,7 @@ def chain_derivative(
     for i in range(3):
         for j in range(len(torque)):
             total[i, j] = -total[i, j]
-    return ChainDerivative(Arrow(top, changes.left, changes.diagonal), torque, total, d)
+    return ChainDerivative(ArrowMatrix(top, changes.left, changes.diagonal), torque, total, d)
 
 
 @compilable
@@ -185,27 +185,27 @@ def _inward_changes(joints, at, force, d, change, top):
     for b in range(len(joints.parent) - 1, -1, -1):
         # Eq. (D61)
         if has_friction(joints.friction, b):
-            _rub_changes(joints, at, force, b, d, change)
+            _subtract_friction_changes(joints, at, force, b, d, change)
         add_angle_row_changes(joints, b, at, force, d, change, top, torque)
         add_slide_row_changes(joints, b, at, force, d, change, top)
     return torque
 
 
 @compilable
-def _rub_changes(joints, at, force, b, d, change):
+def _subtract_friction_changes(joints, at, force, b, d, change):
     """Subtract the change of friction from that of the moment on body b, and pass it on."""
     p = joints.parent[b]
     friction = friction_at(joints, at, force, b)
     for j in range(change.shape[2]):
-        rub = friction.by_x * change[b, X, j] + friction.by_y * change[b, Y, j]
+        moment = friction.by_x * change[b, X, j] + friction.by_y * change[b, Y, j]
         if j < d.velocity.shape[2]:
             slip = d.velocity[b, TURN, j]
             if p >= 0:
                 slip -= d.velocity[p, TURN, j]
-            rub += friction.by_slip * slip
-        change[b, TURN, j] -= rub
+            moment += friction.by_slip * slip
+        change[b, TURN, j] -= moment
         if p >= 0:
-            change[p, TURN, j] += rub
+            change[p, TURN, j] += moment
 
 
 class PushedForces(NamedTuple):
@@ -217,7 +217,7 @@ class PushedForces(NamedTuple):
 
 @compilable
 def pushed_forces(
-    chain: Chain, forces: ChainForces, now: Motion, loads: Loads, carrier: Carrier
+    chain: Chain, forces: ChainForces, now: Motion, loads: Loads, carrier: BlockMotion
 ) -> PushedForces:
     """Compute the derivative of all forces in a direction of loads and of a given block's motion.
 
@@ -227,7 +227,7 @@ def pushed_forces(
     forces : ChainForces
     now : Motion
         Motion in all m + k coordinates.
-    loads, carrier : Loads, Carrier
+    loads, carrier : Loads, BlockMotion
         The direction.
 
     Returns

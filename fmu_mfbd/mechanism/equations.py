@@ -7,7 +7,7 @@ import numpy as np
 from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Matrix, Vector
 from .angles import add_angle_row
-from .carrier import Carrier
+from .carrier import BlockMotion
 from .chain import REACTION, Chain, Elements, Joints, Loads
 from .floating_frame import TURN, X, Y
 from .generalised_alpha import Motion
@@ -50,7 +50,7 @@ class ChainForces(NamedTuple):
 
 @compilable
 def chain_forces(
-    chain: Chain, loads: Loads, now: Motion, drive: CrankMotion, carrier: Carrier
+    chain: Chain, loads: Loads, now: Motion, drive: CrankMotion, carrier: BlockMotion
 ) -> ChainForces:
     """Compute the motion of all bodies, and by it the residual of `forces_at`."""
     return forces_at(chain, loads, chain_motion(chain.joints, now, drive), now, carrier)
@@ -58,7 +58,7 @@ def chain_forces(
 
 @compilable
 def forces_at(
-    chain: Chain, loads: Loads, at: ChainMotion, now: Motion, carrier: Carrier
+    chain: Chain, loads: Loads, at: ChainMotion, now: Motion, carrier: BlockMotion
 ) -> ChainForces:
     """Compute the residual of the equations of motion.
 
@@ -82,7 +82,7 @@ def forces_at(
     at : ChainMotion
     now : Motion
         Motion in all m + k coordinates.
-    carrier : Carrier
+    carrier : BlockMotion
         Motion of the block.
 
     Returns

@@ -53,8 +53,8 @@ class FlexibleBody(NamedTuple):
     damping: Annotated[np.ndarray, "k"]
 
 
-class Arrow(NamedTuple):
-    """Mass matrix or tangent in the form of an arrow: modes couple to rigid motions only.
+class ArrowMatrix(NamedTuple):
+    """Mass matrix or tangent in arrow form: modes couple to rigid motions only.
 
     Entries between different modes are omitted.
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable, numbered
 from ..geometry.arrays import Matrix, Vector
-from .carrier import FIXED, Carrier, transport
+from .carrier import FIXED, BlockMotion, transport
 from .chain import Bodies
 from .floating_frame import TURN, X, Y
 from .generalised_alpha import Motion
@@ -64,7 +64,7 @@ class InertiaForces(NamedTuple):
         A `FrameState` of each body.
     bq, gq, gv : ndarray, shape (k + s,)
         b + B q and g + G q [kg^1/2 m], G q' [kg^1/2 m/s].
-    carrier : Carrier
+    carrier : BlockMotion
         Motion of the block.
     """
 
@@ -74,7 +74,7 @@ class InertiaForces(NamedTuple):
     bq: Vector
     gq: Vector
     gv: Vector
-    carrier: Carrier
+    carrier: BlockMotion
 
 
 class InertiaChanges(NamedTuple):
@@ -114,27 +114,27 @@ def frame_state(frames: np.ndarray, b: int) -> FrameState:
 
 @compilable
 def inertia_forces(
-    bodies: Bodies, at: ChainMotion, now: Motion, carrier: Carrier, m: int
+    bodies: Bodies, at: ChainMotion, now: Motion, carrier: BlockMotion, m: int
 ) -> InertiaForces:
     """Compute the forces that the motion of all bodies needs.
 
-    Forces of each body along its frame's axes, moment about its origin, and forces on its modes, at
-    the acceleration a of the origin in space (Eq. (K14)).
+    They are the force of each body along the axes of its frame, the moment about its origin, and
+    the forces on its modes. a is the acceleration of the origin in space, Eq. (K14).
 
     Eq. (D1):  m a + alpha Z s - w^2 s + 2 w Z T q' + T q''                       s = S + T q
     Eq. (D2):  (Z s) . a + alpha (I0 + 2 b.q + q.B q) + 2 w (b + B q).q' + (g + G q).q''
     Eq. (D3):  T^T a + alpha (g + G q) - w^2 (b + B q) + 2 w G q' + q'' + D q' + Omega^2 q
                Z = [0, -1; 1, 0]
 
-    Small deformations (linear elasticity in the frame, no geometric stiffening): valid while w is
-    far below the body's lowest eigenfrequency. No gravity.
+    Deformations are small and linear in the frame, without geometric stiffening. This is valid if w
+    is far below the lowest eigenfrequency of the body. There is no gravity.
 
     Eq. (D40):  q'' + D q' + omega^2 q      of modes with the inertia of their own motion alone
-    Eq. (D6):   omega^2 q + T^T a + alpha g - w^2 b      of those of them that deflect the last body
+    Eq. (D6):   omega^2 q + T^T a + alpha g - w^2 b      if these modes deflect the last body
 
-    Eq. (D6) is Eq. (D3) without the mode's own motion, and the frame does not feel these modes. It
-    is good for loads far slower than the modes. Its relative error is about the square of both
-    frequencies' ratio.
+    Eq. (D6) is Eq. (D3) without the motion of the mode, which does not act on the frame. It is
+    valid for loads far slower than the modes. Its relative error is about the square of the ratio
+    of both frequencies.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def inertia_forces(
     at : ChainMotion
     now : Motion
         Motion in all coordinates, of which the first m are not modal.
-    carrier : Carrier
+    carrier : BlockMotion
         Motion of the block.
     m : int
 
@@ -297,7 +297,7 @@ def inertia_changes(
 
 @compilable
 def shaken_forces(
-    bodies: Bodies, at: ChainMotion, forces: InertiaForces, d: MotionChanges, shaken: Carrier
+    bodies: Bodies, at: ChainMotion, forces: InertiaForces, d: MotionChanges, shaken: BlockMotion
 ) -> InertiaChanges:
     """Compute the derivative of `inertia_forces` in m directions of motion and of a block's motion.
 
@@ -307,7 +307,7 @@ def shaken_forces(
         As for `inertia_forces`.
     forces : InertiaForces
     d : MotionChanges
-    shaken : Carrier
+    shaken : BlockMotion
         Change of the motion of the block in each of them.
 
     Returns

@@ -13,16 +13,16 @@ from .motion import ChainMotion
 
 
 class AppliedForces(NamedTuple):
-    """Forces of e elements, each in the axes that it turns with.
+    """Forces of e elements, each in the axes with which it rotates.
 
     Parameters
     ----------
     force : ndarray, shape (e, 2)
         On the body that the element acts on [N].
     moment : ndarray, shape (e,)
-        On it about the element's point, without slopes and shapes [N m].
+        On this body about the point of the element, without slopes and shapes [N m].
     modal : ndarray, shape (k,)
-        On all modes but shapes [kg^-1/2 N].
+        On all modes except shapes [kg^-1/2 N].
     slopes
         As of `Loads`.
     on_shapes : ndarray, shape (e, n, 2)
@@ -59,7 +59,7 @@ def no_loads(chain: Chain) -> Loads:
 
 @compilable
 def loads_at(chain: Chain, applied: AppliedForces, at: ChainMotion, now: Motion) -> Loads:
-    """Return the loads in a motion, linear in the forces. Those of laws are not among them.
+    """Return the loads in a motion, without those of laws. They are linear in the forces.
 
     Eq. (D65):  M = M_P + d x F + sum_i c_i q_i - sum_k s_k x Q_k,   M_R = -M_P - sum_i c_i q_i
                 M_P the moment about the point P, d from the marker to P, c slopes by modes q

@@ -1,7 +1,4 @@
-"""Springs and dampers of modes, and the number of modes with inertia.
-
-Slow and fast modes have different damping ratios.
-"""
+"""Springs and dampers of modes, and the number of modes with inertia."""
 
 from typing import Any, NamedTuple
 
@@ -25,8 +22,8 @@ def count_modes_with_inertia(omega: np.ndarray, highest: float) -> int:
     omega : ndarray, shape (k,), ascending [rad/s]. Modes above are quasi-static.
     """
     count = 0
-    for one in omega:
-        count += one <= 2 * np.pi * highest
+    for frequency in omega:
+        count += frequency <= 2 * np.pi * highest
     return count
 
 
@@ -43,8 +40,8 @@ def put_damping(damping: np.ndarray, stiffness: np.ndarray, p: Any) -> None:
     stiffness : ndarray, shape (k,)
         omega times omega [rad2/s2], of which np.sqrt returns omega exactly.
     p : Parameters
-        zeta: damping_ratio below damping_transition_frequency, and high_frequency_damping_ratio
-        from there on [-].
+        zeta: `damping_ratio` below `damping_transition_frequency`, `high_frequency_damping_ratio`
+        above [-].
     """
     for k in range(len(stiffness)):
         omega = np.sqrt(stiffness[k])

@@ -1,9 +1,9 @@
 """Friction between the piston and a pin that turns with the rod.
 
-Size of the coefficient. In a running engine the pin bosses are in mixed lubrication: their measured
-friction has two peaks per cycle at high load and is not that of a fluid [Suhara1997]. A slippery
-coating of the pin changes the motion of the piston and its friction on the bore [Kohashi2013]. The
-open literature has no coefficient of a pin in its bosses.
+The coefficient is uncertain. In a running engine the pin bosses are in mixed lubrication.
+Their measured friction has two peaks per cycle at high load, unlike that of a fluid [Suhara1997]. A
+slippery coating of the pin changes the motion of the piston and its friction on the bore
+[Kohashi2013]. The open literature has no coefficient of a pin in its bosses.
 
 An upper bound is 0.1, the value of the open paper behind the case `data_sheet` for asperities that
 rub in oil. A lower bound is that of a full film. On the pin of the fired case at 18 kN, in 10 um of
@@ -15,12 +15,12 @@ With the default, 0.01, asperities carry a tenth of the load. It is our own choi
 flooded case, 0.01, 0.02 and 0.05 give a tilt of 0.093, 0.166 and 0.268 deg. Only the first one is
 not above the 0.1 deg that are published for motorcycle pistons.
 
-Reversal. The clearance of the skirt lets the piston tilt by 0.1 to 0.2 deg, while the rod swings by
-13 to 19 deg. The pin therefore slips with the rod and reverses twice per revolution. The angular
-velocity of the rod has the amplitude w r/L (crank speed, crank radius, rod length). With the
-default w_0 = 5 rad/s, the passage from -w_0 to w_0 takes 2 w_0 L/(w r) of crank angle. This is 10
-deg at 1680 rpm and L/r = 223/72 (`data_sheet`), and 4 deg at 6000 rpm and 100/24.75
-(`numerical_example`), a few steps of 1 deg.
+w_0 is far below the slip at the pin. The clearance of the skirt lets the piston tilt by 0.1 to 0.2
+deg, while the rod swings by 13 to 19 deg. The pin therefore slips with the rod and reverses twice
+per revolution. The angular velocity of the rod has the amplitude w r/L (crank speed, crank radius,
+rod length). With the default w_0 = 5 rad/s, the passage from -w_0 to w_0 takes 2 w_0 L/(w r) of
+crank angle. This is 10 deg at 1680 rpm and L/r = 223/72 (`data_sheet`), and 4 deg at 6000 rpm and
+100/24.75 (`numerical_example`), a few steps of 1 deg.
 
 References
 ----------

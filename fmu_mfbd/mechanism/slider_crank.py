@@ -1,7 +1,7 @@
-"""Rigid crank and rod: where they put pin point A, and what they weigh.
+"""Rigid crank and rod: the position of pin point A, masses and forces.
 
-The crank turns positively about +z: from firing top dead centre the crank pin leaves towards -x, so
-that gas pressure presses the piston on the +x (thrust) side. Origin on the crank axis, y towards
+The crank rotates about +z. From firing top dead centre the crank pin moves towards -x, so that gas
+pressure presses the piston on the thrust side, +x. The origin is on the crank axis, and y points to
 the head.
 """
 

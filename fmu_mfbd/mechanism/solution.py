@@ -11,12 +11,12 @@ import numpy as np
 
 from ...master.fmi.compiled import compilable
 from ..geometry.arrays import Matrix
-from .carrier import Carrier
+from .carrier import BlockMotion
 from .chain import REACTION, Bodies, Chain, Loads
 from .derivative import chain_derivative
 from .elimination import LUFactors, factorise, substitute
 from .equations import ChainForces, forces_at, point_of
-from .floating_frame import TURN, Arrow, X, Y
+from .floating_frame import TURN, ArrowMatrix, X, Y
 from .generalised_alpha import Motion, Prediction
 from .inertia import coupling_of, frame_state
 from .laws import add_laws, law_sizes
@@ -40,12 +40,12 @@ class ChainFactors(NamedTuple):
 
     Parameters
     ----------
-    arrow : Arrow
+    arrow : ArrowMatrix
     rigid : LUFactors
         Factors of its m rows after the elimination of modes (Eq. (D64)).
     """
 
-    arrow: Arrow
+    arrow: ArrowMatrix
     rigid: LUFactors
 
 
@@ -100,7 +100,7 @@ def solve_motion(
     guess: np.ndarray,
     by: Increments,
     drive: CrankMotion,
-    carrier: Carrier,
+    carrier: BlockMotion,
 ) -> ChainSolution:
     """Solve for the unknowns at the end of a step that fulfil the equations of motion.
 
@@ -200,7 +200,7 @@ def _move(now, predicted, by, unknown):
 
 
 @compilable
-def squared_size(arrow: Arrow, a: np.ndarray) -> float:
+def squared_size(arrow: ArrowMatrix, a: np.ndarray) -> float:
     """Return the square of accelerations in the norm of the tangent's diagonal."""
     m = len(arrow.top)
     total = 0.0
@@ -280,7 +280,7 @@ def _sizes(chain, loads, forces):
 
 
 @compilable
-def factorise_chain(arrow: Arrow) -> ChainFactors:
+def factorise_chain(arrow: ArrowMatrix) -> ChainFactors:
     """Eliminate the modes from a tangent, and factorise the rest.
 
     Eq. (D64):  (A - B D^-1 C) x = a - B D^-1 c,   y = D^-1 (c - C x)
@@ -288,7 +288,7 @@ def factorise_chain(arrow: Arrow) -> ChainFactors:
 
     Parameters
     ----------
-    arrow : Arrow
+    arrow : ArrowMatrix
 
     Returns
     -------
@@ -334,7 +334,7 @@ def substitute_chain(factors: ChainFactors, right: np.ndarray) -> np.ndarray:
 
 
 @compilable
-def arrow_product(arrow: Arrow, x: np.ndarray) -> np.ndarray:
+def arrow_product(arrow: ArrowMatrix, x: np.ndarray) -> np.ndarray:
     """Return `arrow` x by loops, the same bits everywhere, (m + k,)."""
     m, k = len(arrow.top), len(arrow.diagonal)
     out = np.zeros(m + k)
@@ -352,7 +352,7 @@ def arrow_product(arrow: Arrow, x: np.ndarray) -> np.ndarray:
 def solve_coupled(
     bodies: Bodies,
     at: ChainMotion,
-    carrier: Carrier,
+    carrier: BlockMotion,
     by: Increments,
     factors: ChainFactors,
     right: np.ndarray,
@@ -368,7 +368,7 @@ def solve_coupled(
     ----------
     bodies, at, by
         As for the tangent.
-    carrier : Carrier
+    carrier : BlockMotion
         Motion of the block.
     factors : ChainFactors
     right : ndarray, shape (m + k,)
@@ -400,7 +400,7 @@ def solve_coupled(
 
 @compilable
 def mode_coupling(
-    bodies: Bodies, at: ChainMotion, carrier: Carrier, by: Increments, unknowns: np.ndarray
+    bodies: Bodies, at: ChainMotion, carrier: BlockMotion, by: Increments, unknowns: np.ndarray
 ) -> np.ndarray:
     """Return the coupling of modes, which `chain_derivative` omits, times unknowns.
 
@@ -410,7 +410,7 @@ def mode_coupling(
     ----------
     bodies, at, by
         As for the tangent.
-    carrier : Carrier
+    carrier : BlockMotion
         Motion of the block.
     unknowns : ndarray, shape (m + k,)
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from ...master.fmi.cache import cache_folder
 from ...master.fmi.variables import Variable
-from ..finite_elements.materials import NEEDED, replaced
+from ..finite_elements.materials import NEEDED, replacement_remarks
 from ..finite_elements.mesh import read_mesh
 from ..options import read_options
 from ..reducing import Say, reducing
@@ -54,7 +54,7 @@ def prepare(
             placed = build.mesh_unit, build.axes, build.origin, build.part
             mesh = read_mesh(build.mesh, dict.fromkeys(plan.surfaces()), *placed, say)
             material = build.young, build.poisson, build.density
-            for sentence in replaced(mesh.sets, dict(zip(NEEDED, material))):
+            for sentence in replacement_remarks(mesh.sets, dict(zip(NEEDED, material))):
                 say(f"{build.mesh}: {sentence}")
             body = free_block(mesh, material, build.head_mass, build.crank_mass)
             return (reduce_monoblock(body, plan, say),)

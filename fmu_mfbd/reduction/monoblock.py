@@ -1,7 +1,7 @@
 """Reduction of a block with several cylinders to rigid motion and modes of all its bores.
 
 The block is free in space. The modes have no momentum: the rigid motion is that of the mean frame,
-and only the mounts couple both.
+and only the mounts couple rigid motion and modes.
 """
 
 from collections.abc import Callable, Sequence
@@ -146,8 +146,8 @@ def readings(mesh: Mesh, plan: Plan) -> Readings:
     if faults:
         raise MeshFault(faults)
     along = np.array([_mean(mesh, f"bearing_{k}") for k in range(1, plan.bearings + 1)])
-    stands = along @ mesh.points[:, 2]
-    share = np.array([held_by(z, stands) for z in plan.cylinder_z])
+    bearing_z = along @ mesh.points[:, 2]
+    share = np.array([bearing_shares(z, bearing_z) for z in plan.cylinder_z])
     mounts = np.array([_mean(mesh, f"mount_{k}") for k in range(1, plan.mounts + 1)])
     return Readings(
         bores=bores,
@@ -177,8 +177,8 @@ def _bore_faults(mesh: Mesh, name: str, plan: Plan) -> list[str]:
     return []
 
 
-def held_by(z: float, stands: np.ndarray) -> np.ndarray:
-    """Return the shares of the bearings at z = `stands` in a force at z.
+def bearing_shares(z: float, bearing_z: np.ndarray) -> np.ndarray:
+    """Return the shares of the bearings at `bearing_z` in a force at z.
 
     The two adjacent bearings share it by the lever rule. Beyond the last bearing, the nearest one
     carries it.
@@ -188,9 +188,9 @@ def held_by(z: float, stands: np.ndarray) -> np.ndarray:
     ndarray, shape (bearings,)
         Sum 1 [-].
     """
-    order = np.argsort(stands)
-    unit = np.eye(len(stands))[order]
-    return np.array([np.interp(z, stands[order], column) for column in unit.T])
+    order = np.argsort(bearing_z)
+    unit = np.eye(len(bearing_z))[order]
+    return np.array([np.interp(z, bearing_z[order], column) for column in unit.T])
 
 
 def _mean(mesh: Mesh, name: str) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Any
 import scipy.sparse as sp
 
 from ..body_options import Block, Piston
-from ..finite_elements.materials import NEEDED, material_of, replaced
+from ..finite_elements.materials import NEEDED, material_of, replacement_remarks
 from ..finite_elements.matrices import FullModel, assembled, matrix_faults, read_matrix
 from ..finite_elements.mesh import Mesh, MeshFault, axes_matrix, read_mesh
 from ..finite_elements.point_cloud import read_nodes
@@ -17,7 +17,9 @@ Say = Callable[[str], None]
 
 
 def read_surfaces(options: Any, names: Iterable[str], say: Say) -> Mesh:
-    """Read the mesh or the nodes of a body with surfaces; `options` of piston, block or small end.
+    """Read the mesh or the nodes of a body with surfaces.
+
+    `options` are those of a piston, a block or a small end.
 
     Raises
     ------
@@ -48,7 +50,7 @@ def read_body(options: Piston | Block, say: Say) -> Mesh:
         return mesh
     values = {key: getattr(options, key) for key in (*NEEDED, "expansion")}
     tables = {name: one.model_dump() for name, one in options.materials.items()}
-    for sentence in replaced(mesh.sets, values):
+    for sentence in replacement_remarks(mesh.sets, values):
         say(f"{options.mesh}: {sentence}")
     needed = (*NEEDED, "expansion") if options.temperature_field else NEEDED
     where = f"{options.mesh}: "
@@ -67,7 +69,7 @@ def full_model(mesh: Mesh, options: Piston | Block, progress: Say) -> FullModel:
     freedoms = 3 * len(mesh.points)
     if not (options.stiffness and options.mass):
         progress(f"assembling {freedoms} degrees of freedom")
-        assert (material := mesh.material)  # of a body without matrices
+        assert (material := mesh.material)  # `read_body` adds it if files give no matrices
         return assembled(mesh, material.young, material.poisson, material.density)
     labels = mesh.labels
     if labels is None:
@@ -76,9 +78,9 @@ def full_model(mesh: Mesh, options: Piston | Block, progress: Say) -> FullModel:
             "or several instances"
         )
     progress(f"reading matrices of {freedoms} degrees of freedom")
-    turn = sp.kron(sp.identity(len(mesh.points)), axes_matrix(options.axes), format="csr")
-    K = turn @ (read_matrix(options.stiffness, labels) * options.stiffness_unit) @ turn.T
-    M = turn @ (read_matrix(options.mass, labels) * options.mass_unit) @ turn.T
+    rotation = sp.kron(sp.identity(len(mesh.points)), axes_matrix(options.axes), format="csr")
+    K = rotation @ (read_matrix(options.stiffness, labels) * options.stiffness_unit) @ rotation.T
+    M = rotation @ (read_matrix(options.mass, labels) * options.mass_unit) @ rotation.T
     if faults := matrix_faults(mesh, K, M, Path(options.stiffness).name):
         raise MeshFault(faults)
     return FullModel(mesh, K, M)

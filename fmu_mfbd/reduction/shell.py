@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..finite_elements.materials import replaced
+from ..finite_elements.materials import replacement_remarks
 from ..finite_elements.matrices import FullModel
 from ..finite_elements.mesh import Mesh, MeshFault
 from ..finite_elements.ring import Ring, ring_mesh
@@ -153,6 +153,8 @@ def shell_mesh(options: SmallEnd | RoundShell, film: ShellFilm, kind: ShellKind,
         length = ring.length or film.length
         return ring_mesh(Ring(ring.inside, ring.outside, length, ring.held, ring.cells))
     mesh = read_surfaces(options, (kind.bore, kind.fixed), say)
-    for sentence in replaced(mesh.sets, {"young": options.young, "poisson": options.poisson}):
+    for sentence in replacement_remarks(
+        mesh.sets, {"young": options.young, "poisson": options.poisson}
+    ):
         say(f"{options.mesh}: {sentence}")
     return mesh

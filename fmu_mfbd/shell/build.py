@@ -7,7 +7,7 @@ from pydantic import Field
 
 from ...master.fmi.variables import Variable
 from ..body_options import MOST_MODES, Count, Length
-from ..dynamics.bearing_shell import YieldingShell
+from ..dynamics.bearing_shell import LoadedShell
 from ..options import BuildTable, RoundShell, read_options, shell_faults
 from ..reducing import Say, reduced_shell
 from ..reduction.reduced_body import ReducedShell, ShellFilm, ShellKind, load
@@ -73,7 +73,7 @@ def prepare(
 
 def elastic_shell(
     options: dict[str, Any], folder: Path | str = ".", progress: Say = print
-) -> YieldingShell:
+) -> LoadedShell:
     """Return the shell of a build table, to use without an FMU.
 
     Parameters
@@ -91,4 +91,4 @@ def elastic_shell(
         Every fault of the table; then every fault of the mesh.
     """
     _, (path,) = prepare(options, Path(folder), progress)
-    return YieldingShell(load(ReducedShell, path))
+    return LoadedShell(load(ReducedShell, path))

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...master.fmi.slave import FieldSlave
 from ...master.fmi.variables import Variable, input_variable
-from ..dynamics.bearing_shell import SupportLoad, YieldingShell
+from ..dynamics.bearing_shell import LoadedShell, SupportLoad
 from ..geometry.pin import PinForces
 from ..reduction.reduced_body import ReducedShell, load
 from ..variables import PIN_FORCES, PinInputs, declared
@@ -51,7 +51,7 @@ class Shell(FieldSlave):
 
     def start(self, values: dict[str, Any]) -> tuple[ShellState, dict[str, Any]]:
         """Load the reduced shell, under the forces at the start."""
-        self.model = YieldingShell(load(ReducedShell, self.resources / self.options["file"]))
+        self.model = LoadedShell(load(ReducedShell, self.resources / self.options["file"]))
         return self._under(values)
 
     def advance(

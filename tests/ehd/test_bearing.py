@@ -205,7 +205,7 @@ FROM_BORE = dict(pressure_upper_edge=1e5, film_fraction_lower_edge=0.5, cavitati
     [
         (dict(surface="skirt", sector_angle=2.0), ["sector_angle: expected a full revolution"]),
         (dict(surface="bearing", oil_supply="bore"), ["oil_supply: expected edges for a bearing,"]),
-        (dict(surface="bearing", sector_angle=2.0, open_cells=cut(SHAPE)), ["with cut-outs"]),
+        (dict(surface="bearing", sector_angle=2.0, open_cells=cut(SHAPE)), ["with openings"]),
         (
             dict(pressure_lower_edge=-1e4, pressure_upper_edge=-2e4),
             ["got -10000 Pa", "got -20000 Pa"],

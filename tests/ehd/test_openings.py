@@ -9,7 +9,7 @@ from scipy.ndimage import distance_transform_edt
 
 import piston_cosim as pc
 from piston_cosim.fmu_ehd.balance import openings
-from piston_cosim.fmu_ehd.balance.openings import starve
+from piston_cosim.fmu_ehd.balance.openings import limit_supply
 from piston_cosim.fmu_ehd.balance.reynolds import Faces
 from piston_cosim.fmu_ehd.common.grid import Cells
 
@@ -98,6 +98,6 @@ def test_what_sliding_drags_in_from_an_opening_is_bounded_both_ways():
     nothing = np.zeros((2, 3))
     for dragged, passed in ([-3.0, 5.0], [-2.0, 4.0]), ([9.0, -9.0], [9.0, -9.0]):
         faces = Faces(nothing, nothing, np.zeros((1, 4)), np.array([[7.0, *dragged, 7.0]]))
-        bounded = starve(middle, faces, limit)
+        bounded = limit_supply(middle, faces, limit)
         assert faces.transport_a.tolist() == [[7.0, *passed, 7.0]]
         assert bounded.tolist() == [[False, *(dragged != passed,) * 2, False]]

@@ -23,7 +23,7 @@ from piston_cosim.fmu_ehd.common.grid import (
     Cells,
     Edges,
     Entrainment,
-    in_plenty,
+    unlimited_supply,
 )
 from piston_cosim.fmu_ehd.common.quantities import (
     CONDUCTIVITY_A,
@@ -71,7 +71,7 @@ def test_one_cell_between_four_edges():
     still = Entrainment(np.zeros((1, 1)), np.zeros((1, 1)))
     faces = reynolds.faces(parallel((1, 1))[0], still, np.zeros((1, 1), dtype=bool), CELLS)
     full = np.ones((1, 1), dtype=bool)
-    edges = Edges(pressure, FLOODED, in_plenty((1, 1)))
+    edges = Edges(pressure, FLOODED, unlimited_supply((1, 1)))
     no_lift = flows.no_lift((1, 1))
     stencil, right = reynolds.assemble(full, faces, no_lift, steady((1, 1)), edges, CELLS)
     across = 2.0 * DY / DX * CONDUCTIVITY
@@ -92,7 +92,7 @@ def test_two_starved_cells_in_a_stream(velocity, fraction):
     U h dy times the fraction from upstream flows over both edges.
     """
     shape = (2, 1)
-    edges = Edges(NO_PRESSURE, np.array([1.0, 1.0, 0.3, 0.8]), in_plenty(shape))
+    edges = Edges(NO_PRESSURE, np.array([1.0, 1.0, 0.3, 0.8]), unlimited_supply(shape))
     stream = Entrainment(np.full(shape, velocity), np.zeros(shape))
     faces = reynolds.faces(parallel(shape)[0], stream, np.zeros(shape, dtype=bool), CELLS)
     cavitated = np.zeros(shape, dtype=bool)
@@ -125,7 +125,7 @@ def test_flow_between_two_starved_cells_follows_film_and_velocity(velocity, upst
     stream = Entrainment(np.zeros(shape), np.full(shape, velocity))
     follow = Entrainment(np.zeros(shape), np.ones(shape))
     filling = Filling(np.zeros(shape), np.array([[0.3, 0.8]]), flows.no_lift(shape))
-    edges = Edges(NO_PRESSURE, FLOODED, in_plenty(shape))
+    edges = Edges(NO_PRESSURE, FLOODED, unlimited_supply(shape))
     covered = np.zeros(shape, dtype=bool)
     stencil = tangent.linearise(film, slopes, (stream, follow), filling, edges, covered, CELLS, 0.0)
     assert stencil[BY_FILM, NORTH, 0, 0] == near(0.5 * DX * velocity * upstream)

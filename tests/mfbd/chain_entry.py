@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from piston_cosim.fmu_mfbd.mechanism.carrier import Carrier
+from piston_cosim.fmu_mfbd.mechanism.carrier import BlockMotion
 from piston_cosim.fmu_mfbd.mechanism.chain import Chain, Loads
 from piston_cosim.fmu_mfbd.mechanism.derivative import chain_derivative
 from piston_cosim.fmu_mfbd.mechanism.equations import chain_forces
@@ -30,7 +30,7 @@ class ChainProblem(NamedTuple):
     now: Motion
     by: Increments
     drive: CrankMotion
-    given: Carrier
+    given: BlockMotion
 
 
 _, problem_from = flatten(ChainProblem)

@@ -25,7 +25,7 @@ from piston_cosim.fmu_mfbd.dynamics.skirt_films import forces_by_film, total_for
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.geometry.film import NodalForces
 from piston_cosim.fmu_mfbd.geometry.grid import cell_centres
-from piston_cosim.fmu_mfbd.mechanism.carrier import Carrier
+from piston_cosim.fmu_mfbd.mechanism.carrier import BlockMotion
 from piston_cosim.fmu_mfbd.reduction.reduced_body import no_modes
 from piston_cosim.master.fmi.errors import BadInput
 
@@ -34,7 +34,7 @@ from .differences import products_by_differences
 from .test_model import SPEED, STEP, forces
 
 SKEW = {"crank_offset": 1e-3, "top_ring_height": 19e-3, "second_ring_height": 14e-3}
-MOVING = Carrier(3.0, -5.0, 40.0, 1.7)
+MOVING = BlockMotion(3.0, -5.0, 40.0, 1.7)
 
 
 def outside_of(reduced, around=16, axial=24, **values):
@@ -181,7 +181,7 @@ def test_derivatives_with_a_bore_from_outside_are_differences(reduced):
         pressure_force=rng.random(push.shape),
         friction_force=0.1 * rng.random(push.shape),
         rings=RingForce(3.0, -7.0, 0.2),
-        carrier=Carrier(*rng.random(4)),
+        carrier=BlockMotion(*rng.random(4)),
     )
     for change, within in ((bent, 1e-9), (everything, 3e-4)):
         products = products_by_differences(model, state, base, change, STEP, within)

@@ -21,7 +21,7 @@ from piston_cosim.fmu_mfbd.dynamics.start_state import check_start, read_start
 from piston_cosim.fmu_mfbd.dynamics.step import others_at
 from piston_cosim.fmu_mfbd.dynamics.system import skirt_modes
 from piston_cosim.fmu_mfbd.force_elements.land_contact import LAND_CONTACT, LandParameters
-from piston_cosim.fmu_mfbd.mechanism.carrier import Carrier
+from piston_cosim.fmu_mfbd.mechanism.carrier import BlockMotion
 from piston_cosim.fmu_mfbd.mechanism.cylinder import piston_of
 from piston_cosim.fmu_mfbd.mechanism.inertia import frame_state
 
@@ -55,7 +55,7 @@ def forces_of_all(model, inputs):
 
 # ---- a mounted block
 
-MOVING = Carrier(30.0, -50.0, 400.0, 1.7)
+MOVING = BlockMotion(30.0, -50.0, 400.0, 1.7)
 """A block that shakes harder than any on mounts."""
 
 
@@ -75,7 +75,7 @@ def test_derivatives_with_the_motion_of_a_block_are_differences(name):
     model = MODELS[name]()
     before, base, _ = carried_way(model)
     change = rough_change(model, base)
-    for moved in (change, replace(change, carrier=Carrier(0.3, -0.2, 0.7, 1e-3))):
+    for moved in (change, replace(change, carrier=BlockMotion(0.3, -0.2, 0.7, 1e-3))):
         products = products_by_differences(model, before, base, moved, STEP, 3e-6)
         assert {*ON_BLOCK, *MOTION} <= products.keys()
 
@@ -121,7 +121,7 @@ def test_derivatives_with_a_bore_from_outside_are_differences():
     before, base, _ = carried_way(model)
     deflection = 1e-6 * np.random.default_rng(2).standard_normal((24, 64))
     base = replace(base, bore_deflection=deflection)
-    change = replace(rough_change(model, base), carrier=Carrier(0.3, -0.2, 0.7, 1e-3))
+    change = replace(rough_change(model, base), carrier=BlockMotion(0.3, -0.2, 0.7, 1e-3))
     products = products_by_differences(model, before, base, change, STEP, 3e-6)
     assert {*ON_BLOCK, *ON_FLEXIBLE_BLOCK} <= products.keys()
 

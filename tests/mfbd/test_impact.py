@@ -15,7 +15,7 @@ from piston_cosim.fmu_mfbd.dynamics.account import account
 from piston_cosim.fmu_mfbd.dynamics.energy import (
     energy_ledger,
 )
-from piston_cosim.fmu_mfbd.mechanism.floating_frame import Arrow
+from piston_cosim.fmu_mfbd.mechanism.floating_frame import ArrowMatrix
 from piston_cosim.fmu_mfbd.mechanism.generalised_alpha import Motion, coefficients, predict
 from piston_cosim.fmu_mfbd.mechanism.impact import (
     UNLIMITED,
@@ -326,7 +326,7 @@ def test_energy_error_has_size_and_sign():
     A mass of 0.3 kg moves 2 mm in a step with 100 m/s2 throughout, so the work is 0.06 J. From 1 to
     1.2 m/s it gains 0.066 J, from 1 to 1.1 m/s 0.0315 J.
     """
-    inertia = Arrow(np.diag([MASS, 1e-3]), np.zeros((0, 2)), np.zeros(0))
+    inertia = ArrowMatrix(np.diag([MASS, 1e-3]), np.zeros((0, 2)), np.zeros(0))
     pushed = np.array([100.0, 0.0])
     before = Motion(np.zeros(2), np.array([1.0, 0.0]), pushed)
     for speed, error in ((1.2, 0.006), (1.1, -0.0285)):

@@ -20,7 +20,7 @@ from piston_cosim.fmu_mfbd.finite_elements.faces import face_load
 from piston_cosim.fmu_mfbd.finite_elements.materials import (
     ElementSets,
     material_of,
-    replaced,
+    replacement_remarks,
     units_of,
 )
 from piston_cosim.fmu_mfbd.finite_elements.mesh import MeshFault, read_mesh, read_raw
@@ -90,11 +90,11 @@ def test_case_over_body_over_deck_and_the_statement():
     material = material_of(sets, 3, {"young": 80e9}, {"LINER": {"density": 7000.0}, "A": {}})
     assert np.all(material.young == 80e9) and material.density.tolist() == [2700.0, 7000.0, 2700.0]
     assert material.names() == ["A", "LINER"] and material.expansion[1] == 10.5e-6
-    assert replaced(sets, {"young": 80e9, "density": None}) == [
+    assert replacement_remarks(sets, {"young": 80e9, "density": None}) == [
         "young of the case replace those of the file in 2 elements of A, 1 elements of B; omit "
         "them to use those of the file"
     ]
-    assert replaced(sets, {"young": None}) == []
+    assert replacement_remarks(sets, {"young": None}) == []
     one = material_of(sets, 3, IRON, {})
     assert one.young == 110e9 and not one.names()
 

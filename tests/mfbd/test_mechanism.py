@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from piston_cosim.fmu_mfbd.force_elements.element import BODIES
-from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, BlockMotion
 from piston_cosim.fmu_mfbd.mechanism.chain import IN_PARENT
 from piston_cosim.fmu_mfbd.mechanism.cylinder import (
     NO_SLIDES,
@@ -53,7 +53,7 @@ from .chains import (
 from .differences import derivative
 
 STEP = 1e-4
-MOVING = Carrier(30.0, -40.0, 900.0, 1.3)
+MOVING = BlockMotion(30.0, -40.0, 900.0, 1.3)
 DIGITS = 1e-13
 """Both add up to some tens of terms in another order: 1e-16 of the largest term for each."""
 

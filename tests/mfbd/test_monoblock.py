@@ -24,8 +24,8 @@ from piston_cosim.fmu_mfbd.mechanism.bdf2 import STATIC
 from piston_cosim.fmu_mfbd.monoblock.build import declared_variables, prepare
 from piston_cosim.fmu_mfbd.reduction.monoblock import (
     Plan,
+    bearing_shares,
     free_block,
-    held_by,
     readings,
     reduce_monoblock,
 )
@@ -91,9 +91,9 @@ def test_free_frequencies_against_an_independent_assembly(whole):
 
 def test_shares_of_bearings_by_the_lever():
     stands = np.array([0.13, -0.13, 0.0])
-    np.testing.assert_allclose(held_by(0.065, stands), [0.5, 0.0, 0.5])
-    np.testing.assert_allclose(held_by(-0.0975, stands), [0.0, 0.75, 0.25])
-    np.testing.assert_allclose(held_by(-0.2, stands), [0.0, 1.0, 0.0])
+    np.testing.assert_allclose(bearing_shares(0.065, stands), [0.5, 0.0, 0.5])
+    np.testing.assert_allclose(bearing_shares(-0.0975, stands), [0.0, 0.75, 0.25])
+    np.testing.assert_allclose(bearing_shares(-0.2, stands), [0.0, 1.0, 0.0])
 
 
 def directly(body, load):

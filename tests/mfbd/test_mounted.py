@@ -12,7 +12,7 @@ from piston_cosim.fmu_mfbd.dynamics.assembly import assemble
 from piston_cosim.fmu_mfbd.dynamics.model import MOTION, ON_BLOCK, Inputs
 from piston_cosim.fmu_mfbd.dynamics.parameters import Parameters
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
-from piston_cosim.fmu_mfbd.mechanism.carrier import Carrier
+from piston_cosim.fmu_mfbd.mechanism.carrier import BlockMotion
 
 from .differences import products_by_differences
 from .test_model import SPEED, STEP, forces
@@ -20,7 +20,7 @@ from .test_model import SPEED, STEP, forces
 UNBALANCE = -0.012
 """Of the crank [kg m]."""
 
-MOVING = Carrier(3.0, -5.0, 40.0, 1.7)
+MOVING = BlockMotion(3.0, -5.0, 40.0, 1.7)
 """A block that shakes harder than any on mounts."""
 
 
@@ -78,14 +78,16 @@ def test_derivatives_with_the_motion_of_the_block_are_differences(mounted):
     push, drag = forces(mounted, 3)
     base = Inputs(SPEED, 5e5, push, drag, carrier=MOVING)
     still = Inputs(0.0, 0.0, 0.0 * push, 0.0 * drag)
-    directions = [dataclasses.replace(still, carrier=Carrier(*(1e-3 * one))) for one in np.eye(4)]
+    directions = [
+        dataclasses.replace(still, carrier=BlockMotion(*(1e-3 * one))) for one in np.eye(4)
+    ]
     rng = np.random.default_rng(8)
     everything = dataclasses.replace(
         still,
         pressure_force=rng.random(push.shape),
         friction_force=0.1 * rng.random(push.shape),
         rings=RingForce(3.0, -7.0, 0.2),
-        carrier=Carrier(*rng.random(4)),
+        carrier=BlockMotion(*rng.random(4)),
     )
     for change, size in [(one, 1e3) for one in directions] + [(everything, 1e-1)]:
         products = products_by_differences(mounted, before, base, change, STEP, 1e-5, size)

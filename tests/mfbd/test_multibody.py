@@ -16,7 +16,7 @@ from piston_cosim.fmu_mfbd.dynamics.parameters import AxisParameters, PinParamet
 from piston_cosim.fmu_mfbd.dynamics.pin_shells import shell_modes_of
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces
 from piston_cosim.fmu_mfbd.geometry.pin_shapes import free_beam
-from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, BlockMotion
 from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE
 from piston_cosim.fmu_mfbd.reduction.reduced_body import (
     ReducedBosses,
@@ -244,7 +244,7 @@ def carrier(time):
     """Return the motion of the block of a case that moves: it shakes and turns."""
     x, y, turn = block_motion(time)
     c, s = np.cos(turn[0]), np.sin(turn[0])
-    return Carrier(c * x[2] + s * y[2], c * y[2] - s * x[2], turn[2], turn[1])
+    return BlockMotion(c * x[2] + s * y[2], c * y[2] - s * x[2], turn[2], turn[1])
 
 
 def block_motion(time):

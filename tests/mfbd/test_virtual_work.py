@@ -16,7 +16,7 @@ from piston_cosim.fmu_mfbd.dynamics.pin_shells import shell_modes_of
 from piston_cosim.fmu_mfbd.dynamics.system import RingForce
 from piston_cosim.fmu_mfbd.force_elements.land_contact import LandParameters
 from piston_cosim.fmu_mfbd.geometry.pin import PinForces
-from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, BlockMotion
 from piston_cosim.fmu_mfbd.mechanism.cylinder import EYE
 
 from .multibody import QUARTER, Rubbing, Touching
@@ -25,7 +25,7 @@ from .test_multibody import BORE, CASES, CONCENTRIC, SPEED, START, P, Reference,
 RUBBED = dataclasses.replace(P, pin_friction_coefficient=0.1, pin_friction_damping=0.02)
 ANGLE, GAS = 0.7, 3e5
 TIME = (ANGLE - START) / SPEED
-CARRIER = Carrier(30.0, -40.0, 900.0, 1.3)
+CARRIER = BlockMotion(30.0, -40.0, 900.0, 1.3)
 LAND = LandParameters(1e7, 0.2, 0.0, 0.03)
 """The top land touches the bore in all of the random motions."""
 RINGS = RingForce(40.0, -60.0, 0.3)

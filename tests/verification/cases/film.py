@@ -16,7 +16,7 @@ from piston_cosim.fmu_ehd.balance.film_step import FilmSolution
 from piston_cosim.fmu_ehd.balance.films import rough_film, smooth_film
 from piston_cosim.fmu_ehd.balance.storage import ContentHistory, EulerStep
 from piston_cosim.fmu_ehd.common.faults import NotConverged
-from piston_cosim.fmu_ehd.common.grid import LOWER, Array, Edges, Entrainment, in_plenty
+from piston_cosim.fmu_ehd.common.grid import LOWER, Array, Edges, Entrainment, unlimited_supply
 from piston_cosim.fmu_ehd.common.quantities import CONDUCTIVITY_A, COUETTE, STORED
 from piston_cosim.fmu_ehd.laws import asperity, oil, roughness
 from piston_cosim.fmu_ehd.laws.friction import ShearConstants, ShearInputs, viscous_force
@@ -636,7 +636,7 @@ def random_starved_films(count: int, seed: int = 0) -> RandomFilms:
         edges = Edges(
             np.append(10.0 ** rng.uniform(2.0, 6.0, 4) * rng.integers(0, 2, 4), 0.0),
             np.append(rng.uniform(0.0, 1.0, 4), 1.0),
-            in_plenty(shape),
+            unlimited_supply(shape),
         )
         # neighbours differ up to a hundredfold
         film = 10.0 ** rng.uniform(-6.5, -4.5) * 10.0 ** rng.uniform(-1.0, 1.0, shape)

@@ -15,7 +15,14 @@ from piston_cosim.fmu_ehd.balance.film_step import (
 )
 from piston_cosim.fmu_ehd.balance.storage import EulerStep
 from piston_cosim.fmu_ehd.common.faults import raise_noted
-from piston_cosim.fmu_ehd.common.grid import Array, Cells, Edges, Entrainment, Flags, in_plenty
+from piston_cosim.fmu_ehd.common.grid import (
+    Array,
+    Cells,
+    Edges,
+    Entrainment,
+    Flags,
+    unlimited_supply,
+)
 from piston_cosim.fmu_ehd.laws import cavitation
 from piston_cosim.fmu_ehd.solvers.sparse import linear_solver
 from piston_cosim.master.fmi.noted import none_yet
@@ -55,7 +62,7 @@ class Grid:
 
 def flooded_edges(shape: tuple[int, int], pressure: float = 0.0) -> Edges:
     """Oil in plenty at all edges of a grid, at one pressure above cavitation pressure [Pa]."""
-    return Edges(np.full(5, pressure), np.ones(5), in_plenty(shape))
+    return Edges(np.full(5, pressure), np.ones(5), unlimited_supply(shape))
 
 
 class FilmStep:

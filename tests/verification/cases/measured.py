@@ -21,7 +21,7 @@ from rich.text import Text
 import piston_cosim as pc
 from piston_cosim.fmu_ehd import journal
 from piston_cosim.fmu_ehd.common.grid import Array, Flags
-from piston_cosim.fmu_mfbd.dynamics.bearing_shell import YieldingShell
+from piston_cosim.fmu_mfbd.dynamics.bearing_shell import LoadedShell
 from piston_cosim.fmu_mfbd.reduction.reduced_body import ShellFilm
 from piston_cosim.fmu_mfbd.shell.build import elastic_shell
 from piston_cosim.master.fmi.quantities import from_si, to_si
@@ -241,7 +241,7 @@ def bearing(tree: dict[str, Any], one: dict[str, Any], at: dict[str, str]) -> So
 
 
 @functools.cache
-def _shell(build: str) -> YieldingShell:
+def _shell(build: str) -> LoadedShell:
     """Return the elastic shell of a build table in JSON."""
     return elastic_shell(json.loads(build), FOLDER, progress=lambda text: None)
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from piston_cosim.fmu_mfbd.dynamics.pin_films import forces_of
-from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, Carrier
+from piston_cosim.fmu_mfbd.mechanism.carrier import FIXED, BlockMotion
 from piston_cosim.fmu_mfbd.mechanism.chain import Chain, Loads
 from piston_cosim.fmu_mfbd.mechanism.cylinder import CylinderParts, cylinder_chain
 from piston_cosim.fmu_mfbd.mechanism.equations import ChainForces, chain_forces
@@ -53,7 +53,7 @@ def loads_of(chain: Chain, load: Load, now: Motion, crank: CrankMotion) -> Loads
 
 
 def tied_forces(
-    chain: Chain, load: Load, now: Motion, crank: CrankMotion, carrier: Carrier = FIXED
+    chain: Chain, load: Load, now: Motion, crank: CrankMotion, carrier: BlockMotion = FIXED
 ) -> ChainForces:
     """Return all forces in the chain under a load of its piston and a motion of the block."""
     return chain_forces(chain, loads_of(chain, load, now, crank), now, crank, carrier)
