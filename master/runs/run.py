@@ -122,6 +122,9 @@ def run(
         try:
             if begin_at:
                 _check_resumable(begin_at, system, output)
+            elif Checkpoint.path(output).exists():
+                resume = f"piston-cosim resume {Checkpoint.path(output)}"
+                say(f"warning: this run replaces an interrupted one; {resume} would continue that")
             try:
                 start(system)
             finally:

@@ -243,6 +243,15 @@ def test_a_failed_run_goes_on_from_the_last_checkpoint(toys, tmp_path):
     assert rows(log_path(output, "iterations")) == WINDOWS
 
 
+def test_a_run_says_that_it_replaces_an_interrupted_one(toys, tmp_path):
+    output, said = tmp_path / "run.h5", []
+    with pytest.raises(Interrupted):
+        go(toys(), output, at(2.0), say=said.append)
+    assert said == []
+    go(toys(), output, say=said.append)
+    assert len(said) == 1 and "replaces an interrupted one" in said[0]
+
+
 def test_no_checkpoint_but_at_a_signal(toys, tmp_path):
     tree = TREE | {"record": TREE["record"] | {"checkpoint_every": 0}}
     seen = []
