@@ -158,7 +158,7 @@ def test_sizes_of_a_wrong_unit_and_a_shipped_name_are_told(tmp_path, monkeypatch
     said = capsys.readouterr().out
     for option in ("--rod = 1430 mm", "--mass = 40000 g", "--skirt-below = 200 mm"):
         assert f"warning  {option}: our estimate is" in said
-    assert "data_sheet: a shipped case has this name" in said and "3 warnings, 2 remarks" in said
+    assert "data_sheet: a shipped case has this name" in said and "4 warnings, 2 remarks" in said
     usual = {"rod": "143", "mass": "400", "skirt_below": "30", "bore": "86", "stroke": "86"}
     assert unusual(engine(usual)) == []
 
