@@ -143,9 +143,8 @@ def number_of(tree: dict[str, Any], text: str, folder: Path, option: str) -> Num
     if sign:
         scale = in_units_of(known, step, f"{option} {name.strip()}", is_difference=True)
     if not scale:
-        raise BadInput(
-            f"{option} {name.strip()}: expected a step, because the value is zero; write KEY=STEP"
-        )
+        got = f"got {step.strip()}" if sign else "because the value is zero; write KEY=STEP"
+        raise BadInput(f"{option} {name.strip()}: expected a step, {got}")
     unit = _unit_of(known)
     text = step.strip() if sign else f"{scale:.3g} {unit}".strip()
     return Number(
@@ -175,7 +174,9 @@ def range_of(
     keys = whole_keys(tree, name, folder, option)
     known = _common_value(tree, keys, folder, option)
     ends = [in_units_of(known, end, f"{option} {name.strip()}") for end in (low, high)]
-    if not ends[0] <= known.magnitude <= ends[1] or ends[0] == ends[1]:
+    if ends[0] >= ends[1]:
+        raise BadInput(f"{option} {name.strip()}: expected LOW below HIGH, got {rest}")
+    if not ends[0] <= known.magnitude <= ends[1]:
         raise BadInput(
             f"{option} {name.strip()}: expected a range that contains {known.magnitude:g} "
             f"{_unit_of(known)}, the value of the case, got {rest}"

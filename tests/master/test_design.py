@@ -205,6 +205,7 @@ def test_shapes_keep_the_mean_are_symmetric_and_survive_their_table(tmp_path):
         (lambda: numbers("clearence"), "--by clearence: expected a key"),
         (lambda: numbers("radial_clearance=1 s"), "radial_clearance: expected a quantity in um"),
         (lambda: numbers("crank_offset"), "crank_offset: expected a step, because the value is z"),
+        (lambda: numbers("radial_clearance=0 um"), "radial_clearance: expected a step, got 0 um"),
         (lambda: numbers("package"), "expected a dotted path"),
         (lambda: numbers("coupling.method"), "expected a key whose value is a number"),
         (lambda: numbers("max_iterations=5"), "coupling.max_iterations: .* whole number, got 20"),
@@ -216,6 +217,10 @@ def test_shapes_keep_the_mean_are_symmetric_and_survive_their_table(tmp_path):
         (
             lambda: range_of(TREE, "radial_clearance=11um..12um", PATH.parent, "--vary"),
             "expected a range that contains 10.* um",
+        ),
+        (
+            lambda: range_of(TREE, "radial_clearance=12um..9um", PATH.parent, "--vary"),
+            "expected LOW below HIGH, got 12um..9um",
         ),
         (lambda: range_of(TREE, "viscosity=3", PATH.parent, "--vary"), "expected KEY=LOW..HIGH"),
         (
