@@ -339,6 +339,21 @@ def begin(fixed: FilmConstants, memory: Memory, inputs: Inputs, faults: Array) -
 
 
 @compilable
+def balance_of(flow: FlowFilm, begun: StepStart) -> BalanceInputs:
+    """Return the inputs of the balance of a hard film."""
+    nothing = np.zeros((0, 0))
+    return BalanceInputs(
+        film=flow.quantities,
+        entrainment=begun.entrainment,
+        edges=begun.edges,
+        start=begun.begin.start,
+        full=begun.begin.guess,
+        softness=Softness(np.zeros((0, 0, 0)), nothing, nothing),
+        lift=begun.lift,
+    )
+
+
+@compilable
 def solve(
     fixed: FilmConstants,
     memory: Memory,
@@ -349,18 +364,9 @@ def solve(
 ) -> StepSolution:
     """Film of a step; a fault is noted where there is none, or where surfaces overlap too far."""
     before = memory.film
-    nothing = np.zeros((0, 0))
     sheared = sheared_of(inputs)
     flow = flow_film(inputs.hard_film, sheared, fixed.laws)
-    balance_inputs = BalanceInputs(
-        film=flow.quantities,
-        entrainment=begun.entrainment,
-        edges=begun.edges,
-        start=begun.begin.start,
-        full=begun.begin.guess,
-        softness=Softness(np.zeros((0, 0, 0)), nothing, nothing),
-        lift=begun.lift,
-    )
+    balance_inputs = balance_of(flow, begun)
     surfaces = fixed.surfaces
     if surfaces.compliance > 0.0:
         law = inputs.around.pressure_law

@@ -5,20 +5,16 @@ Python runs it as one kernel, `advance`.
 
 from typing import NamedTuple
 
-import numpy as np
-
 from ..master.fmi.compiled import compilable
 from .balance.coated_film import StepSolution
-from .balance.film_step import BalanceInputs
 from .balance.flow_film import flow_film
 from .balance.nearby import SolvedBalance, solve_nearby
 from .common.grid import Array
 from .constants import FilmConstants
-from .laws.coating import Softness
 from .solvers.blocks import Factors
 from .solvers.sparse import LinearSolver
 from .state import Fields, Inputs, Memory, Scalars
-from .step import begin, end, sheared_of
+from .step import balance_of, begin, end, sheared_of
 
 
 class NearbyStep(NamedTuple):
@@ -51,18 +47,8 @@ def advance(
         As in `step.begin` and `step.end`.
     """
     begun = begin(fixed, memory, inputs, faults)
-    nothing = np.zeros((0, 0))
     flow = flow_film(inputs.hard_film, sheared_of(inputs), fixed.laws)
-    balance_inputs = BalanceInputs(
-        film=flow.quantities,
-        entrainment=begun.entrainment,
-        edges=begun.edges,
-        start=begun.begin.start,
-        full=begun.begin.guess,
-        softness=Softness(np.zeros((0, 0, 0)), nothing, nothing),
-        lift=begun.lift,
-    )
-    film = solve_nearby(balance_inputs, fixed.domain, base, solver)
+    film = solve_nearby(balance_of(flow, begun), fixed.domain, base, solver)
     solved = StepSolution(memory.film.deflection, flow, film, 1)
     ended = end(fixed, memory, inputs, begun, solved, faults)
     return NearbyStep(ended.memory, ended.fields, ended.scalars)
